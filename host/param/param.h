@@ -1,0 +1,32 @@
+/* A periodic global parameterization: (s,t) on the vertices, exact transitions on the edges. */
+#ifndef PC_PARAM_H
+#define PC_PARAM_H
+
+#include "trimesh.h"
+
+/* One period (one cell side) in the fixed-point units of pc_param.coordinate. Coordinates are odd, so that no
+ * iso-line s = k*PC_PERIOD ever meets a vertex. */
+#define PC_PERIOD (1 << 24)
+
+typedef struct pc_param {
+    pc_index vertex_count;
+    pc_index face_count;
+    double period_length;  /* L: the length of one period in model units, where no density scales it */
+    float *phase;          /* 4 per vertex: cos s, sin s, cos t, sin t as solved (norms are kept) */
+    int32_t *coordinate;   /* 2 per vertex: (s,t), fixed point, in [0, PC_PERIOD) */
+    uint8_t *turn;         /* per half-edge h = i->j: quarter turns r that bring j's frame to i's */
+    int32_t *shift;        /* 2 per half-edge: whole periods (a,b). Seen from i, the head of h lies at
+                              S^r(s_j,t_j) + PC_PERIOD (a,b) with S(s,t) = (t,-s) */
+    uint8_t *singular;     /* per face: PC_REGULAR, PC_DISLOCATION, PC_FIELD_SINGULARITY or PC_FLIPPED */
+} pc_param;
+
+enum {
+    PC_REGULAR = 0,
+    PC_DISLOCATION = 1,       /* once around comes back shifted by whole periods */
+    PC_FIELD_SINGULARITY = 2, /* once around comes back turned */
+    PC_FLIPPED = 3            /* closed, but with area <= 0 in the parameter plane */
+};
+
+void pc_param_free(pc_param *param, pc_context *ctx);
+
+#endif

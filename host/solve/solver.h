@@ -1,0 +1,36 @@
+/* Solves A x = b for a pc_system on a device: conjugate gradients with a preconditioner. */
+#ifndef PC_SOLVER_H
+#define PC_SOLVER_H
+
+#include "device.h"
+#include "system.h"
+
+typedef struct pc_solver pc_solver;
+
+typedef enum pc_preconditioner { PC_PRECONDITION_JACOBI, PC_PRECONDITION_MULTIGRID } pc_preconditioner;
+
+typedef struct pc_solver_options {
+    pc_preconditioner preconditioner;
+    pc_index max_iterations;
+} pc_solver_options;
+#define PC_SOLVER_DEFAULTS {PC_PRECONDITION_MULTIGRID, 10000}
+
+typedef struct pc_solver_stats {
+    pc_index iterations;
+    double residual;      /* |b - A x| / |b| at the end */
+    double setup_seconds; /* of the last make or update */
+    double solve_seconds;
+} pc_solver_stats;
+
+/* Copies what it needs of `system`. The device must outlive the solver. */
+pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device, const pc_system *system,
+                         const pc_solver_options *options);
+/* New values on the same graph. */
+pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *system);
+/* x holds the start on entry and the solution on return; b is left alone; both width*row_count numbers.
+ * PC_E_NOCONV where max_iterations do not reach `tolerance` (relative residual): x is then the best so far. */
+pc_status pc_solver_solve(pc_solver *solver, pc_context *ctx, double *x, const double *b, double tolerance,
+                          pc_solver_stats *stats);
+void pc_solver_free(pc_solver *solver, pc_context *ctx);
+
+#endif
