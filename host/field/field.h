@@ -30,6 +30,7 @@ typedef struct pc_field_options {
     double feature_length; /* model units, 0 takes feature_edges mean edge lengths: details of the field
                               shorter than about feature_length * sqrt(rho/(1-rho)) are smoothed away */
     double feature_edges;
+    double relief_edges; /* relief shorter than this many mean edges attracts no singularities */
     pc_border_rule borders;
     int rounds;       /* of solving and normalising, beyond the first solve */
     double tolerance; /* relative residual of each solve */
