@@ -5,6 +5,7 @@
 #include "ring.h"
 #include "topology.h"
 #include "vec3.h"
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct correction {
@@ -136,13 +137,14 @@ pc_status pc_curl_correct(double *scale, pc_context *ctx, pc_device *device, con
     pc_status status = PC_OK;
     correction c = {.ctx = ctx, .mesh = mesh, .adjacency = adjacency, .field = field};
     pc_solver *solver = NULL;
+    pc_solver_stats stats = {0};
     if (!(options->least > 0 && options->least <= 1))
         return pc_fail(ctx, PC_E_USAGE, "the least scale of a field must be in (0,1], not %g",
                        options->least);
     PC_TRY(assemble(&c));
     memset(scale, 0, mesh->vertex_count * sizeof *scale);
     PC_TRY(pc_solver_make(&solver, ctx, device, &c.system, &options->solver));
-    PC_TRY(pc_solver_solve(solver, ctx, scale, c.right, options->tolerance, NULL));
+    PC_TRY(pc_solver_solve(solver, ctx, scale, c.right, options->tolerance, &stats));
     PC_TRY(scale_parts(scale, ctx, mesh, adjacency, options));
 done:
     pc_solver_free(solver, ctx);
