@@ -16,12 +16,14 @@ static void grid_triangles(pc_mesh *mesh, pc_index nx, pc_index ny, pc_index col
         }
 }
 
-pc_status pc_synth_plane(pc_mesh *mesh, pc_context *ctx, double width, double height, pc_index nx, pc_index ny) {
+pc_status pc_synth_plane(pc_mesh *mesh, pc_context *ctx, double width, double height, pc_index nx,
+                         pc_index ny) {
     pc_status status = pc_mesh_make(mesh, ctx, (size_t)(nx + 1) * (ny + 1), 2 * (size_t)nx * ny);
     if (status != PC_OK) return status;
     for (pc_index j = 0; j <= ny; j++)
         for (pc_index i = 0; i <= nx; i++)
-            pc_vec3_put(mesh->position, i + (size_t)j * (nx + 1), (pc_vec3){width * i / nx, height * j / ny, 0});
+            pc_vec3_put(mesh->position, i + (size_t)j * (nx + 1),
+                        (pc_vec3){width * i / nx, height * j / ny, 0});
     grid_triangles(mesh, nx, ny, nx + 1, ny + 1);
     return PC_OK;
 }
@@ -32,7 +34,8 @@ pc_status pc_synth_cylinder(pc_mesh *mesh, pc_context *ctx, double height, pc_in
     for (pc_index j = 0; j <= along; j++)
         for (pc_index i = 0; i < around; i++) {
             double u = 2 * PC_PI * i / around;
-            pc_vec3_put(mesh->position, i + (size_t)j * around, (pc_vec3){cos(u), sin(u), height * j / along});
+            pc_vec3_put(mesh->position, i + (size_t)j * around,
+                        (pc_vec3){cos(u), sin(u), height * j / along});
         }
     grid_triangles(mesh, around, along, around, along + 1);
     return PC_OK;
@@ -45,13 +48,15 @@ pc_status pc_synth_torus(pc_mesh *mesh, pc_context *ctx, double major, double mi
     for (pc_index j = 0; j < across; j++)
         for (pc_index i = 0; i < around; i++) {
             double u = 2 * PC_PI * i / around, v = 2 * PC_PI * j / across, r = major + minor * cos(v);
-            pc_vec3_put(mesh->position, i + (size_t)j * around, (pc_vec3){r * cos(u), r * sin(u), minor * sin(v)});
+            pc_vec3_put(mesh->position, i + (size_t)j * around,
+                        (pc_vec3){r * cos(u), r * sin(u), minor * sin(v)});
         }
     grid_triangles(mesh, around, across, around, across);
     return PC_OK;
 }
 
-/* Vertices of the octahedron's surface are the lattice points with |x|+|y|+|z| = steps, listed by layers of z. */
+/* Vertices of the octahedron's surface are the lattice points with |x|+|y|+|z| = steps, listed by layers of
+ * z. */
 static pc_index lattice_vertex(int x, int y, int z, int n) {
     int a = z < 0 ? -z : z, ring = n - a; /* 4*ring points on this layer, one at a pole */
     pc_index before;
@@ -76,7 +81,8 @@ pc_status pc_synth_sphere(pc_mesh *mesh, pc_context *ctx, pc_index steps) {
         for (int i = 0; i < n; i++)
             for (int j = 0; i + j < n; j++)
                 for (int half = 0; half < (i + j < n - 1 ? 2 : 1); half++) {
-                    int corner[3][2] = {{i + half, j + half}, {i + 1 - half, j + half}, {i + half, j + 1 - half}};
+                    int corner[3][2] = {
+                        {i + half, j + half}, {i + 1 - half, j + half}, {i + half, j + 1 - half}};
                     if (half) corner[1][0] = i, corner[1][1] = j + 1, corner[2][0] = i + 1, corner[2][1] = j;
                     for (int k = 0; k < 3; k++) {
                         const int *c = corner[flip ? 2 - k : k];

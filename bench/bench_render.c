@@ -1,0 +1,99 @@
+/* Time per picture, and the pictures to look at: bench_render FOLDER [STEPS].
+ * A sphere of 8*STEPS^2 triangles (600: 2.9 M) with crosses, and a torus of quads. */
+#include "clock.h"
+#include "memory.h"
+#include "png_file.h"
+#include "polymesh.h"
+#include "scene.h"
+#include "surface.h"
+#include "synth.h"
+#include "vec3.h"
+#include <stdio.h>
+#include <stdlib.h>
+
+static pc_status sphere_field(pc_field *field, pc_context *ctx, const pc_mesh *mesh) {
+    pc_status status;
+    *field = (pc_field){.symmetry = 4, .vertex_count = mesh->vertex_count, .face_count = mesh->face_count};
+    PC_TRY(pc_new(&field->normal, ctx, 3 * (size_t)mesh->vertex_count));
+    PC_TRY(pc_new(&field->direction, ctx, 3 * (size_t)mesh->vertex_count));
+    PC_TRY(pc_new(&field->index, ctx, mesh->face_count));
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        pc_vec3 n = pc_unit(pc_vec3_at(mesh->position, i)), up = {0, 1, 0};
+        pc_vec3_put(field->normal, i, n);
+        pc_vec3_put(field->direction, i, pc_unit(pc_cross(up, n)));
+    }
+    field->index[0] = 1, field->index[mesh->face_count / 3] = -1, field->index[mesh->face_count / 7] = 2;
+done:
+    return status;
+}
+
+/* The torus' grid as quads, with a few faces merged or cut so that every colour shows. */
+static pc_status torus_quads(pc_polymesh *quads, pc_context *ctx, pc_index around, pc_index across) {
+    pc_status status;
+    PC_TRY(pc_polymesh_make(quads, ctx, around * across, around * across, 4 * (size_t)around * across));
+    for (pc_index j = 0; j < across; j++)
+        for (pc_index i = 0; i < around; i++) {
+            pc_index f = j * around + i, i1 = (i + 1) % around, j1 = (j + 1) % across;
+            double u = 2 * PC_PI * i / around, v = 2 * PC_PI * j / across, r = 2 + 0.8 * cos(v);
+            pc_vec3_put(quads->position, f, (pc_vec3){r * cos(u), r * sin(u), 0.8 * sin(v)});
+            const pc_index corner[4] = {f, j * around + i1, j1 * around + i1, j1 * around + i};
+            for (int k = 0; k < 4; k++)
+                quads->corner[4 * f + (pc_index)k] = corner[k];
+            quads->start[f + 1] = 4 * (f + 1);
+        }
+done:
+    return status;
+}
+
+static pc_status save(pc_context *ctx, pc_picture *picture, const char *folder, const char *name,
+                      double start) {
+    char path[1024];
+    double drawn = pc_clock_wall();
+    (void)snprintf(path, sizeof(path), "%s/%s.png", folder, name);
+    pc_status status = pc_png_save(ctx, path, picture);
+    pc_picture_free(picture, ctx);
+    (void)printf("%-8s drawn %.3f s, written %.3f s\n", name, drawn - start, pc_clock_wall() - drawn);
+    return status;
+}
+
+static pc_status render(pc_context *ctx, const char *folder, pc_index steps) {
+    pc_status status;
+    pc_mesh mesh = {0};
+    pc_field field = {0};
+    pc_polymesh quads = {0};
+    pc_picture picture = {0};
+    pc_picture_options options = PC_PICTURE_DEFAULTS;
+    PC_TRY(pc_synth_sphere(&mesh, ctx, steps));
+    PC_TRY(sphere_field(&field, ctx, &mesh));
+    for (int crosses = 0; crosses < 2; crosses++) {
+        double start = pc_clock_wall();
+        PC_TRY(pc_picture_make(&picture, ctx, mesh.position, mesh.vertex_count, &options));
+        PC_TRY(pc_scene_scan(&picture, ctx, &mesh));
+        if (crosses) PC_TRY(pc_scene_field(&picture, ctx, &mesh, &field));
+        PC_TRY(save(ctx, &picture, folder, crosses ? "field" : "scan", start));
+    }
+    PC_TRY(torus_quads(&quads, ctx, 60, 24));
+    double start = pc_clock_wall();
+    PC_TRY(pc_picture_make(&picture, ctx, quads.position, quads.vertex_count, &options));
+    PC_TRY(pc_scene_quads(&picture, ctx, &quads));
+    PC_TRY(save(ctx, &picture, folder, "quads", start));
+done:
+    pc_picture_free(&picture, ctx);
+    pc_polymesh_free(&quads, ctx);
+    pc_field_free(&field, ctx);
+    pc_mesh_free(&mesh, ctx);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        (void)fprintf(stderr, "usage: bench_render FOLDER [STEPS]\n");
+        return 2;
+    }
+    pc_context *ctx = pc_context_make();
+    if (!ctx) return 7;
+    pc_status status = render(ctx, argv[1], argc > 2 ? (pc_index)strtoul(argv[2], NULL, 10) : 600);
+    if (status != PC_OK) (void)fprintf(stderr, "%s\n", pc_context_message(ctx));
+    pc_context_free(ctx);
+    return pc_status_exit_code(status);
+}
