@@ -1,7 +1,7 @@
 /* percale: the command line. Finds the command, runs it, and turns its status into the exit code. */
 #include "command.h"
+#include "version.h"
 #include <signal.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct command {
@@ -79,7 +79,7 @@ static pc_status dispatch(pc_context *ctx, int argc, const char **argv) {
     }
     const char *name = argv[1];
     if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) {
-        (void)printf("percale %s\n", PERCALE_VERSION);
+        (void)printf("percale %s\n", pc_version());
         return PC_OK;
     }
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) return run_help(ctx, 1, argv);
@@ -102,8 +102,6 @@ pc_status pc_command_operands(pc_context *ctx, const pc_operands *operands, int 
 }
 
 int main(int argc, char **argv) {
-    /* OpenMP threads that spin while OpenCL computes would take its cores. */
-    (void)setenv("OMP_WAIT_POLICY", "passive", 0);
     pc_context *ctx = pc_context_make();
     if (!ctx) {
         (void)fprintf(stderr, "percale: out of memory\n");

@@ -7,6 +7,7 @@
 typedef enum pc_stage_id {
     PC_STAGE_SCAN,
     PC_STAGE_MESH,
+    PC_STAGE_PARTS,
     PC_STAGE_CURVATURE,
     PC_STAGE_FIELD,
     PC_STAGE_CURL,

@@ -1,0 +1,43 @@
+/* The products of the stages that are in memory. Each stage fills and frees its own part. */
+#ifndef PC_HELD_H
+#define PC_HELD_H
+
+#include "curvature.h"
+#include "field.h"
+#include "layout.h"
+#include "param.h"
+#include "polymesh.h"
+
+/* The scan as the user gave it, triangulated and repaired, in the user's order. */
+typedef struct pc_held_scan {
+    pc_mesh mesh;
+    pc_index *vertex_source; /* per vertex: the vertex of the file */
+    pc_index *face_source;   /* per face: the triangle of the file, polygons cut into triangles in place */
+} pc_held_scan;
+
+/* The scan with long edges split, in an order that keeps neighbours close. */
+typedef struct pc_held_mesh {
+    pc_mesh mesh;
+    pc_adjacency adjacency;  /* made again when loaded */
+    pc_index *user_vertex;   /* per vertex: its place in the user's order: scan vertices first, then those added */
+    pc_index *user_face;     /* per face: likewise; parts of one scan face follow each other */
+    pc_index *scan_face;     /* per face: the face of the scan it is a part of */
+    pc_index scan_vertex_count;
+    double area;             /* model units squared */
+    double mean_edge;        /* of the scan, model units */
+    double edge_length;      /* that the quads are to have, model units */
+} pc_held_mesh;
+
+typedef struct pc_held {
+    pc_held_scan scan;
+    pc_held_mesh mesh;
+    pc_index *part; /* per vertex of the mesh */
+    pc_curvature curvature;
+    pc_field field;
+    double *scale; /* per vertex: the curl correction, in (0,1] */
+    pc_param param;
+    pc_layout layout;
+    pc_polymesh quads;
+} pc_held;
+
+#endif

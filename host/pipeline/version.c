@@ -1,0 +1,3 @@
+#include "version.h"
+
+const char *pc_version(void) { return PERCALE_VERSION; }
