@@ -25,7 +25,7 @@ typedef struct pc_held_mesh {
     pc_index scan_vertex_count;
     double area;             /* model units squared */
     double mean_edge;        /* of the scan, model units */
-    double edge_length;      /* that the quads are to have, model units */
+    double period;           /* the side of a cell to start from, model units */
 } pc_held_mesh;
 
 typedef struct pc_held {
@@ -37,6 +37,7 @@ typedef struct pc_held {
     double *scale; /* per vertex: the curl correction, in (0,1] */
     pc_param param;
     pc_layout layout;
+    pc_layout_stats layout_stats; /* when it was made in this run */
     pc_polymesh quads;
 } pc_held;
 

@@ -2,6 +2,7 @@
 #ifndef PC_STAGE_H
 #define PC_STAGE_H
 
+#include "file.h"
 #include "held.h"
 #include "json.h"
 #include "run.h"
@@ -28,6 +29,7 @@ typedef struct pc_run {
     const pc_convert_options *options;
     const char *scan_path;
     const char *out; /* NULL: nothing is written */
+    pc_file input; /* open until the scan is read */
     char input_sha256[PC_SHA256_TEXT];
     uint64_t input_bytes;
     pc_device *device;
