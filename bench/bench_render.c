@@ -52,7 +52,8 @@ static pc_status save(pc_context *ctx, pc_picture *picture, const char *folder, 
     (void)snprintf(path, sizeof(path), "%s/%s.png", folder, name);
     pc_status status = pc_png_save(ctx, path, picture);
     pc_picture_free(picture, ctx);
-    (void)printf("%-8s drawn %.3f s, written %.3f s\n", name, drawn - start, pc_clock_wall() - drawn);
+    (void)printf("%-8s drawn %.3f s, written %.3f s, processor time so far %.3f s\n", name, drawn - start,
+                 pc_clock_wall() - drawn, pc_clock_cpu());
     return status;
 }
 

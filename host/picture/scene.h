@@ -39,6 +39,6 @@ pc_status pc_scene_quads(pc_picture *picture, pc_context *ctx, const pc_polymesh
 pc_status pc_scene_layout(pc_picture *picture, pc_context *ctx, const pc_layout *layout);
 
 /* One line of text in the lower left corner. */
-void pc_scene_caption(pc_picture *picture, const char *text);
+pc_status pc_scene_caption(pc_picture *picture, pc_context *ctx, const char *text);
 
 #endif

@@ -22,6 +22,8 @@ typedef struct pc_ball {
  * against what is drawn; lines leave no depth. */
 pc_status pc_stroke_draw(pc_picture *picture, pc_context *ctx, const pc_stroke *stroke, size_t count,
                          double bias);
+/* Lines on the picture itself: ends are column and row in pixels, nothing hides them. */
+pc_status pc_stroke_draw_flat(pc_picture *picture, pc_context *ctx, const pc_stroke *stroke, size_t count);
 /* Shaded balls that hide and are hidden by depth. */
 pc_status pc_ball_draw(pc_picture *picture, pc_context *ctx, const pc_ball *ball, size_t count);
 

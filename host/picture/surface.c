@@ -1,6 +1,7 @@
 #include "surface.h"
 #include "memory.h"
 #include "occlusion.h"
+#include "pick.h"
 #include "raster.h"
 
 typedef struct lights {
@@ -99,15 +100,15 @@ static pc_color lit(const shader *s, pc_color base, pc_vec3 n, float shade) {
     if (behind) n = pc_scale(-1, n), facing = -facing;
     float key = (float)pc_dot(n, l->key), fill = (float)pc_dot(n, l->fill), sky = (float)pc_dot(n, l->up);
     float gloss = (float)pc_dot(n, l->half);
-    key = fmaxf(0, 0.88F * key + 0.12F);
-    fill = fmaxf(0, fill);
+    key = pc_greater(0, 0.88F * key + 0.12F);
+    fill = pc_greater(0, fill);
     float light = 0.30F + 0.20F * sky + 0.72F * key + 0.13F * fill;
     light *= 0.80F + 0.20F * (float)facing; /* rims turn a little darker */
     float dark = shade < 0 ? shade : 0.35F * shade;
-    light *= fmaxf(0.25F, fminf(1.25F, 1 + 0.62F * s->surface->cavity * dark));
+    light *= pc_greater(0.25F, pc_lesser(1.25F, 1 + 0.62F * s->surface->cavity * dark));
     gloss = gloss > 0 ? gloss * gloss : 0;
     gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss; /* 32nd power */
-    float spot = behind ? 0 : 0.07F * gloss * (shade < 0 ? fmaxf(0, 1 + shade) : 1);
+    float spot = behind ? 0 : 0.07F * gloss * (shade < 0 ? pc_greater(0, 1 + shade) : 1);
     if (behind) base = pc_color_mix(base, 0x8a6f5c, 0.45F), light *= 0.8F;
     pc_color out = 0;
     for (int k = 0; k < 3; k++) {
@@ -134,7 +135,7 @@ static void corner_weights(float w[3], const facet *t, float x, float y) {
     const float *a = t->a, *b = t->b, *c = t->c;
     w[1] = ((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0])) * t->inverse;
     w[2] = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) * t->inverse;
-    w[1] = fminf(fmaxf(w[1], 0), 1), w[2] = fminf(fmaxf(w[2], 0), 1 - w[1]);
+    w[1] = pc_lesser(pc_greater(w[1], 0), 1), w[2] = pc_lesser(pc_greater(w[2], 0), 1 - w[1]);
     w[0] = 1 - w[1] - w[2];
     w[0] *= a[2] + 1, w[1] *= b[2] + 1, w[2] *= c[2] + 1;
     float inverse = 1 / (w[0] + w[1] + w[2]);
