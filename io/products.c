@@ -34,6 +34,42 @@ done:
     return status;
 }
 
+static const pc_column curvature_columns[] = {
+    {"normal", PC_STORE_F64, 3, VERTICES, offsetof(pc_curvature, normal), false, "1",
+     "unit normal of each vertex, averaged over the neighbourhood"},
+    {"tensor", PC_STORE_F64, 6, VERTICES, offsetof(pc_curvature, tensor), false, "1/model",
+     "normal-cycle curvature tensor of each vertex: xx xy xz yy yz zz"},
+    {"value", PC_STORE_F64, 2, VERTICES, offsetof(pc_curvature, value), false, "1/model",
+     "principal curvatures k1 >= k2 of each vertex, positive where convex"},
+    {"direction", PC_STORE_F64, 3, VERTICES, offsetof(pc_curvature, direction), false, "1",
+     "unit tangent of each vertex along which the curvature is k1"},
+    {"weight", PC_STORE_F64, 0, VERTICES, offsetof(pc_curvature, weight), false, "1",
+     "trust in the direction of each vertex, 0 to 1"},
+};
+
+pc_status pc_curvature_save(pc_store *store, const char *group, const pc_curvature *curvature) {
+    pc_status status = PC_OK;
+    const size_t counts[] = {curvature->vertex_count};
+    PC_TRY(pc_columns_save(store, group, curvature_columns, COUNT(curvature_columns), curvature, counts));
+    PC_TRY(pc_store_set_real(store, group, "radius", curvature->radius));
+    PC_TRY(pc_store_set_real(store, group, "mean_edge", curvature->mean_edge));
+done:
+    return status;
+}
+
+pc_status pc_curvature_load(pc_curvature *curvature, pc_store *store, const char *group) {
+    pc_status status = PC_OK;
+    size_t counts[] = {PC_STORE_ANY};
+    *curvature = (pc_curvature){0};
+    PC_TRY(pc_columns_load(curvature, counts, store, group, curvature_columns, COUNT(curvature_columns)));
+    curvature->vertex_count = (pc_index)counts[VERTICES];
+    PC_TRY(pc_store_get_real(&curvature->radius, store, group, "radius"));
+    PC_TRY(pc_store_get_real(&curvature->mean_edge, store, group, "mean_edge"));
+done:
+    if (status != PC_OK) pc_curvature_free(curvature, pc_store_context(store));
+    return status;
+}
+
 enum { FIELD_LOOPS = 2 };
 
 static const pc_column field_columns[] = {

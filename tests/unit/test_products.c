@@ -107,6 +107,30 @@ static void meshes_and_lists(void **state) {
     }
 }
 
+static void curvatures(void **state) {
+    pc_context *ctx = *state;
+    pc_random random = {8};
+    enum { N = 91 };
+    pc_curvature one = {.vertex_count = N, .radius = 0.3, .mean_edge = 0.1}, two;
+    one.normal = random_bytes(ctx, &random, 3 * N, sizeof(double));
+    one.tensor = random_bytes(ctx, &random, 6 * N, sizeof(double));
+    one.value = random_bytes(ctx, &random, 2 * N, sizeof(double));
+    one.direction = random_bytes(ctx, &random, 3 * N, sizeof(double));
+    one.weight = random_bytes(ctx, &random, N, sizeof(double));
+    pc_store *store = writing(ctx);
+    assert_ok(ctx, pc_curvature_save(store, "curvature", &one));
+    store = written(ctx, store);
+    assert_ok(ctx, pc_curvature_load(&two, store, "curvature"));
+    assert_true(two.vertex_count == N && two.radius == 0.3 && two.mean_edge == 0.1);
+    assert_same(one, two, normal, 3 * N);
+    assert_same(one, two, tensor, 6 * N);
+    assert_same(one, two, value, 2 * N);
+    assert_same(one, two, direction, 3 * N);
+    assert_same(one, two, weight, N);
+    pc_store_close(store);
+    pc_curvature_free(&one, ctx), pc_curvature_free(&two, ctx);
+}
+
 static void fields(void **state) {
     pc_context *ctx = *state;
     pc_random random = {2};
@@ -293,6 +317,7 @@ static void loading_survives_missing_memory(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(meshes_and_lists, make_context, free_context),
+        cmocka_unit_test_setup_teardown(curvatures, make_context, free_context),
         cmocka_unit_test_setup_teardown(fields, make_context, free_context),
         cmocka_unit_test_setup_teardown(params, make_context, free_context),
         cmocka_unit_test_setup_teardown(layouts, make_context, free_context),
