@@ -5,6 +5,7 @@
 #include "memory.h"
 #include "sheets.h"
 #include "slivers.h"
+#include "vec3.h"
 #include "weld.h"
 #include <math.h>
 #include <string.h>
@@ -270,6 +271,26 @@ done:
     return status;
 }
 
+/* A new vertex at the place of another that it has an edge to moves along its own edge, which stays straight.
+ * That takes collinear faces, so it hardly ever happens. */
+static void part_coincident(pc_mesh *mesh, pc_index old, const pc_index *parent) {
+    bool found = true;
+    for (int round = 1; found && round < 64; round++) {
+        double share = 0.25 + 0.5 * fmod(0.6180339887498949 * round, 1); /* never the same one twice */
+        found = false;
+        for (pc_index h = 0; h < 3 * mesh->face_count; h++) {
+            pc_index a = pc_tail(mesh, h), b = pc_head(mesh, h), v = a > b ? a : b;
+            if (v < old || memcmp(mesh->position + 3 * (size_t)a, mesh->position + 3 * (size_t)b,
+                                  3 * sizeof(double)) != 0)
+                continue;
+            pc_vec3 p = pc_vec3_at(mesh->position, parent[2 * (size_t)(v - old)]);
+            pc_vec3 q = pc_vec3_at(mesh->position, parent[2 * (size_t)(v - old) + 1]);
+            pc_vec3_put(mesh->position, v, pc_madd(p, share, pc_sub(q, p)));
+            found = true;
+        }
+    }
+}
+
 static pc_status cut_edges(workpiece *w, pc_repair_report *report, pc_context *ctx, const pc_sheets *sheets) {
     pc_status status = PC_OK;
     pc_index *midpoint = NULL, *parent = NULL, *source = NULL, old = w->mesh.vertex_count;
@@ -286,6 +307,7 @@ static pc_status cut_edges(workpiece *w, pc_repair_report *report, pc_context *c
     PC_TRY(pc_resize(&w->vertex_source, ctx, (size_t)old + count));
     for (size_t i = 0; i < count; i++)
         w->vertex_source[old + i] = w->vertex_source[parent[2 * i]];
+    part_coincident(&cut, old, parent);
     for (pc_index f = 0; f < cut.face_count; f++)
         source[f] = w->face_source[source[f]];
     pc_mesh_free(&w->mesh, ctx);
