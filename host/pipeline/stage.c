@@ -121,12 +121,16 @@ done:
 }
 
 pc_status pc_stage_hold(pc_run *run, pc_stage_id stage) {
+    pc_store *store = NULL;
+    pc_status status = PC_OK;
     if (run->held[stage]) return PC_OK;
-    pc_store *store;
-    pc_status status = pc_stage_open(&store, run, stage);
-    if (status == PC_OK) status = pc_stages[stage]->load(run, store);
+    /* Files are in the user's order; the mesh knows the other. */
+    if (pc_stages[stage]->needs & PC_NEEDS(PC_STAGE_MESH)) PC_TRY(pc_stage_hold(run, PC_STAGE_MESH));
+    PC_TRY(pc_stage_open(&store, run, stage));
+    PC_TRY(pc_stages[stage]->load(run, store));
+    run->held[stage] = true;
+done:
     pc_store_close(store);
-    run->held[stage] = status == PC_OK;
     return status;
 }
 

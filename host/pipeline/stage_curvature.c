@@ -1,6 +1,7 @@
 /* Curvature: the normal-cycle tensor at each vertex. */
 #include "columns.h"
 #include "stage.h"
+#include "user_order.h"
 #include <stdio.h>
 
 enum { VERTICES };
@@ -35,27 +36,30 @@ static pc_status make(pc_run *run, pc_json *facts) {
 static pc_status check(pc_run *run) { return pc_curvature_check(&run->product.curvature, run->ctx); }
 
 static pc_status save(pc_run *run, pc_store *store) {
-    const pc_curvature *curvature = &run->product.curvature;
-    const size_t counts[] = {curvature->vertex_count};
-    pc_status status = PC_OK;
-    PC_TRY(pc_columns_save(store, "curvature", columns, COLUMN_COUNT, curvature, counts));
-    PC_TRY(pc_store_set_real(store, "curvature", "radius", curvature->radius));
-    PC_TRY(pc_store_set_real(store, "curvature", "mean_edge", curvature->mean_edge));
+    const pc_renumbering to_user = pc_to_user_order(&run->product.mesh);
+    const size_t counts[] = {run->product.curvature.vertex_count};
+    pc_curvature user;
+    pc_status status = pc_renumber_curvature(&user, run->ctx, &run->product.curvature, &to_user);
+    if (status != PC_OK) return status;
+    PC_TRY(pc_columns_save(store, "curvature", columns, COLUMN_COUNT, &user, counts));
+    PC_TRY(pc_store_set_real(store, "curvature", "radius", user.radius));
+    PC_TRY(pc_store_set_real(store, "curvature", "mean_edge", user.mean_edge));
 done:
+    pc_curvature_free(&user, run->ctx);
     return status;
 }
 
 static pc_status load(pc_run *run, pc_store *store) {
-    pc_curvature *curvature = &run->product.curvature;
-    size_t counts[] = {PC_STORE_ANY};
+    const pc_renumbering from_user = pc_from_user_order(&run->product.mesh);
+    size_t counts[] = {from_user.vertex_count};
+    pc_curvature user = {.vertex_count = from_user.vertex_count};
     pc_status status = PC_OK;
-    *curvature = (pc_curvature){0};
-    PC_TRY(pc_columns_load(curvature, counts, store, "curvature", columns, COLUMN_COUNT));
-    PC_TRY(pc_store_get_real(&curvature->radius, store, "curvature", "radius"));
-    PC_TRY(pc_store_get_real(&curvature->mean_edge, store, "curvature", "mean_edge"));
-    curvature->vertex_count = (pc_index)counts[VERTICES];
+    PC_TRY(pc_columns_load(&user, counts, store, "curvature", columns, COLUMN_COUNT));
+    PC_TRY(pc_store_get_real(&user.radius, store, "curvature", "radius"));
+    PC_TRY(pc_store_get_real(&user.mean_edge, store, "curvature", "mean_edge"));
+    PC_TRY(pc_renumber_curvature(&run->product.curvature, run->ctx, &user, &from_user));
 done:
-    if (status != PC_OK) pc_curvature_free(curvature, run->ctx);
+    pc_curvature_free(&user, run->ctx);
     return status;
 }
 

@@ -1,6 +1,7 @@
 /* Field: smooth crosses along the curvature. */
 #include "singularity.h"
 #include "stage.h"
+#include "user_order.h"
 #include <stdio.h>
 
 static pc_field_options field_options(const pc_convert_options *wish) {
@@ -47,9 +48,24 @@ static pc_status check(pc_run *run) {
     return pc_field_check(&run->product.field, run->ctx, &run->product.mesh.mesh, &run->product.mesh.adjacency);
 }
 
-static pc_status save(pc_run *run, pc_store *store) { return pc_field_save(store, "field", &run->product.field); }
+static pc_status save(pc_run *run, pc_store *store) {
+    const pc_renumbering to_user = pc_to_user_order(&run->product.mesh);
+    pc_field user;
+    pc_status status = pc_renumber_field(&user, run->ctx, &run->product.field, &to_user);
+    if (status == PC_OK) status = pc_field_save(store, "field", &user);
+    pc_field_free(&user, run->ctx);
+    return status;
+}
 
-static pc_status load(pc_run *run, pc_store *store) { return pc_field_load(&run->product.field, store, "field"); }
+static pc_status load(pc_run *run, pc_store *store) {
+    const pc_renumbering from_user = pc_from_user_order(&run->product.mesh);
+    pc_field user;
+    pc_status status = pc_field_load(&user, store, "field");
+    if (status != PC_OK) return status;
+    status = pc_renumber_field(&run->product.field, run->ctx, &user, &from_user);
+    pc_field_free(&user, run->ctx);
+    return status;
+}
 
 static void drop(pc_run *run) { pc_field_free(&run->product.field, run->ctx); }
 

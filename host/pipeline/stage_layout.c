@@ -1,5 +1,6 @@
 /* Layout: the cells between the iso-lines. */
 #include "stage.h"
+#include "user_order.h"
 #include <stdio.h>
 
 /* The parameterization draws layouts while it looks for the right density; the one that fits is taken over. */
@@ -25,11 +26,22 @@ static pc_status make(pc_run *run, pc_json *facts) {
 static pc_status check(pc_run *run) { return pc_layout_check(&run->product.layout, run->ctx); }
 
 static pc_status save(pc_run *run, pc_store *store) {
-    return pc_layout_save(store, "layout", &run->product.layout);
+    const pc_renumbering to_user = pc_to_user_order(&run->product.mesh);
+    pc_layout user;
+    pc_status status = pc_renumber_layout(&user, run->ctx, &run->product.layout, &to_user);
+    if (status == PC_OK) status = pc_layout_save(store, "layout", &user);
+    pc_layout_free(&user, run->ctx);
+    return status;
 }
 
 static pc_status load(pc_run *run, pc_store *store) {
-    return pc_layout_load(&run->product.layout, store, "layout");
+    const pc_renumbering from_user = pc_from_user_order(&run->product.mesh);
+    pc_layout user;
+    pc_status status = pc_layout_load(&user, store, "layout");
+    if (status != PC_OK) return status;
+    status = pc_renumber_layout(&run->product.layout, run->ctx, &user, &from_user);
+    pc_layout_free(&user, run->ctx);
+    return status;
 }
 
 static void drop(pc_run *run) { pc_layout_free(&run->product.layout, run->ctx); }

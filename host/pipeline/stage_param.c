@@ -1,6 +1,7 @@
 /* Parameterization: (s,t) along the field, at a density that gives the wanted number of quads. */
 #include "quads.h"
 #include "stage.h"
+#include "user_order.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -81,9 +82,24 @@ static pc_status check(pc_run *run) {
     return pc_param_check(&run->product.param, run->ctx, &run->product.mesh.mesh, &run->product.mesh.adjacency);
 }
 
-static pc_status save(pc_run *run, pc_store *store) { return pc_param_save(store, "param", &run->product.param); }
+static pc_status save(pc_run *run, pc_store *store) {
+    const pc_renumbering to_user = pc_to_user_order(&run->product.mesh);
+    pc_param user;
+    pc_status status = pc_renumber_param(&user, run->ctx, &run->product.param, &to_user);
+    if (status == PC_OK) status = pc_param_save(store, "param", &user);
+    pc_param_free(&user, run->ctx);
+    return status;
+}
 
-static pc_status load(pc_run *run, pc_store *store) { return pc_param_load(&run->product.param, store, "param"); }
+static pc_status load(pc_run *run, pc_store *store) {
+    const pc_renumbering from_user = pc_from_user_order(&run->product.mesh);
+    pc_param user;
+    pc_status status = pc_param_load(&user, store, "param");
+    if (status != PC_OK) return status;
+    status = pc_renumber_param(&run->product.param, run->ctx, &user, &from_user);
+    pc_param_free(&user, run->ctx);
+    return status;
+}
 
 static void drop(pc_run *run) { pc_param_free(&run->product.param, run->ctx); }
 

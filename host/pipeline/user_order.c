@@ -2,6 +2,20 @@
 #include "memory.h"
 #include <string.h>
 
+pc_renumbering pc_to_user_order(const pc_held_mesh *mesh) {
+    const pc_order *order = &mesh->order;
+    return (pc_renumbering){.vertex_count = order->vertex_count, .face_count = order->face_count,
+                            .loop_count = mesh->loop_count, .vertex = order->vertex_new, .face = order->face_new,
+                            .loop = mesh->loop_new, .vertex_place = order->vertex_old, .face_place = order->face_old};
+}
+
+pc_renumbering pc_from_user_order(const pc_held_mesh *mesh) {
+    const pc_order *order = &mesh->order;
+    return (pc_renumbering){.vertex_count = order->vertex_count, .face_count = order->face_count,
+                            .loop_count = mesh->loop_count, .vertex = order->vertex_old, .face = order->face_old,
+                            .loop = mesh->loop_old, .vertex_place = order->vertex_new, .face_place = order->face_new};
+}
+
 /* A new array whose row i is row map[i] of `in`; NULL stays NULL. */
 static pc_status gather_rows(void **out, pc_context *ctx, const void *in, size_t row_bytes, const pc_index *map,
                              size_t count) {

@@ -13,6 +13,9 @@ typedef struct pc_renumbering {
     const pc_index *face_place;
 } pc_renumbering;
 
+pc_renumbering pc_to_user_order(const pc_held_mesh *mesh);
+pc_renumbering pc_from_user_order(const pc_held_mesh *mesh);
+
 /* Each gives a copy in the new order, which the caller frees. PC_E_NOMEM. */
 pc_status pc_renumber_mesh(pc_mesh *out, pc_context *ctx, const pc_mesh *in, const pc_renumbering *r);
 pc_status pc_renumber_curvature(pc_curvature *out, pc_context *ctx, const pc_curvature *in, const pc_renumbering *r);
