@@ -2,10 +2,9 @@
 #ifndef PC_QUALITY_H
 #define PC_QUALITY_H
 
+#include "cellshape.h"
 #include "deviation.h"
-#include "distortion.h"
 #include "field.h"
-#include "geometry.h"
 #include "polygraph.h"
 #include "polymesh.h"
 
@@ -15,7 +14,8 @@ enum { PC_QUALITY_SIDES = 9 };
 typedef struct pc_quality {
     pc_surface_count scan, quads;
 
-    /* Counts. A corner that is a T-junction on a straight side is a corner of the polygon, not of the cell. */
+    /* Counts. A corner that is a T-junction on a straight side is a corner of the polygon, not of the cell.
+     */
     pc_index polygons[PC_QUALITY_SIDES]; /* faces by number of corners */
     pc_index cells[PC_QUALITY_SIDES];    /* faces by number of corners without the flat ones */
     double quad_polygon_percent;         /* polygons with exactly four corners */
@@ -25,28 +25,22 @@ typedef struct pc_quality {
     pc_index irregular_interior; /* sides plus flat corners are not 4 */
     pc_index irregular_boundary; /* sides plus flat corners are neither 2 nor 3 */
 
-    /* Shape of the four-cornered cells (straight sides taken as one) and of the edges. */
-    pc_spread angle;           /* degrees away from 90, per corner */
-    pc_spread edge_length;     /* model units, every edge between two vertices once */
-    double edge_deviation;     /* standard deviation over the mean */
-    pc_spread aspect;          /* longer over shorter mean of opposite sides, per cell */
-    pc_spread scaled_jacobian; /* per cell the least over its corners: 1 square, <= 0 folded */
-    pc_index folded_cells;     /* those with <= 0 */
-    pc_spread warp;            /* degrees between the normals at opposite corners, the larger pair */
-    pc_spread field_angle;     /* degrees between an edge and the nearest direction of the field (0..45) */
+    pc_cellshape shape;
+    pc_spread field_angle; /* degrees between an edge and the nearest direction of the field (0..45) */
 
     /* Distance, model units, beside the diagonal of the scan's bounding box. */
     double diagonal;
     pc_deviation scan_to_quads, quads_to_scan;
     double scan_area, quads_area;
-    double worst_component; /* the largest distance to the quads from that scan component that is served worst */
+    double
+        worst_component; /* the largest distance to the quads from that scan component that is served worst */
     pc_index worst_component_id;
     pc_index missed_components; /* scan components that no face is nearest to */
 
     /* Broken cells, with the first of each kind. */
-    pc_index inverted, first_inverted;       /* normal against the scan's smooth normals at corners and centre */
-    pc_index zero_area, first_zero_area;     /* area under 1e-12 of the mean */
-    pc_index wild_vertices;                  /* a coordinate that is not finite */
+    pc_index inverted, first_inverted;   /* normal against the scan's smooth normals at corners and centre */
+    pc_index zero_area, first_zero_area; /* area under 1e-12 of the mean */
+    pc_index wild_vertices;              /* a coordinate that is not finite */
 } pc_quality;
 
 typedef struct pc_quality_input {

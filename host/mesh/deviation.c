@@ -79,7 +79,8 @@ done:
     return status;
 }
 
-/* The centre of part i of the k^2 equal parts of a triangle: row by row, upright and hanging ones alternating. */
+/* The centre of part i of the k^2 equal parts of a triangle: row by row, upright and hanging ones
+ * alternating. */
 static pc_vec3 part_centre(const pc_vec3 p[3], int k, int i) {
     int row = 0;
     while (i >= 2 * (k - row) - 1)
@@ -193,8 +194,8 @@ static void sum_up(pc_deviation *deviation, samples *s) {
     deviation->worst = sample_point(s, worst);
 }
 
-pc_status pc_deviation_measure(pc_deviation *deviation, double *label_max, pc_context *ctx, const pc_mesh *from,
-                               const pc_bvh *to, const pc_deviation_options *options) {
+pc_status pc_deviation_measure(pc_deviation *deviation, double *label_max, pc_context *ctx,
+                               const pc_mesh *from, const pc_bvh *to, const pc_deviation_options *options) {
     pc_status status = PC_OK;
     samples s = {.mesh = from, .to = to};
     *deviation = (pc_deviation){0};

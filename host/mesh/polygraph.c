@@ -7,7 +7,9 @@ typedef struct shape {
     const pc_index *corner;
 } shape;
 
-static pc_index face_start(const shape *s, pc_index f) { return s->start ? s->start[f] : 3 * f; }
+static pc_index face_start(const shape *s, pc_index f) {
+    return s->start ? s->start[f] : 3 * f;
+}
 
 static pc_index next_corner(const shape *s, const pc_polygraph *g, pc_index c) {
     pc_index f = g->face[c];
@@ -86,8 +88,8 @@ static void join(pc_index *parent, pc_index a, pc_index b) {
         parent[a] = b;
 }
 
-/* All half-edges of one edge: counts it, pairs them where they are two of opposite directions. `same` is how many
- * run like the first, `other` how many run against it. */
+/* All half-edges of one edge: counts it, pairs them where they are two of opposite directions. `same` is how
+ * many run like the first, `other` how many run against it. */
 static void settle_edge(pc_polygraph *g, pc_index first, pc_index partner, pc_index same, pc_index other) {
     g->count.edges++;
     if (same + other == 1) {
@@ -129,8 +131,7 @@ static pc_status pair_twins(pc_polygraph *g, pc_context *ctx, const shape *s) {
     for (pc_index f = 0; f < s->face_count; f++)
         g->face_component[f] = f;
     for (pc_index v = 0; v < s->vertex_count; v++) {
-        if (start[v] == start[v + 1])
-            continue;
+        if (start[v] == start[v + 1]) continue;
         pair_bucket(g, s, bucket + start[v], start[v + 1] - start[v]);
     }
     for (pc_index f = 0; f < s->face_count; f++) { /* a root comes before all others of its component */
@@ -195,7 +196,8 @@ static pc_status count_loops(pc_polygraph *g, pc_context *ctx, const shape *s) {
     for (pc_index first = 0; first < g->corner_count; first++) {
         if (!g->boundary[first] || seen[first]) continue;
         g->count.loops++;
-        for (pc_index c = first; !seen[c];) { /* the walk around the head ends at a half-edge without a twin */
+        for (pc_index c = first;
+             !seen[c];) { /* the walk around the head ends at a half-edge without a twin */
             seen[c] = 1;
             c = next_corner(s, g, c);
             while (g->twin[c] != PC_NONE)

@@ -25,15 +25,15 @@ typedef struct pc_surface_count {
 typedef struct pc_polygraph {
     pc_index corner_count;
     pc_surface_count count;
-    pc_index *face;           /* per corner */
-    pc_index *twin;           /* per half-edge: the opposite one where the edge has exactly two faces that run in
-                                 opposite directions, else PC_NONE */
-    uint8_t *boundary;        /* per half-edge: 1 where its edge has no other face */
+    pc_index *face;    /* per corner */
+    pc_index *twin;    /* per half-edge: the opposite one where the edge has exactly two faces that run in
+                          opposite directions, else PC_NONE */
+    uint8_t *boundary; /* per half-edge: 1 where its edge has no other face */
     pc_index *face_component; /* numbered by their smallest faces */
 } pc_polygraph;
 
-/* `start` may be NULL for triangles. Linear in the size but for vertices of huge valence. PC_E_BUG where a corner or
- * offset is out of range; PC_E_NOMEM. */
+/* `start` may be NULL for triangles. Linear in the size but for vertices of huge valence. PC_E_BUG where a
+ * corner or offset is out of range; PC_E_NOMEM. */
 pc_status pc_polygraph_make(pc_polygraph *graph, pc_context *ctx, pc_index vertex_count, pc_index face_count,
                             const pc_index *start, const pc_index *corner);
 pc_status pc_polygraph_of_mesh(pc_polygraph *graph, pc_context *ctx, const pc_mesh *mesh);

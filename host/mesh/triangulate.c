@@ -11,7 +11,8 @@ static pc_vec3 newell_normal(const double *position, const pc_index *corner, pc_
     return pc_unit(sum);
 }
 
-/* Twice the area, over the product of the two longer sides: the sine of the smallest angle; signed by the normal. */
+/* Twice the area, over the product of the two longer sides: the sine of the smallest angle; signed by the
+ * normal. */
 static double triangle_quality(const double *position, pc_index i, pc_index j, pc_index k, pc_vec3 normal) {
     pc_vec3 a = pc_vec3_at(position, i), b = pc_vec3_at(position, j), c = pc_vec3_at(position, k);
     pc_vec3 n = pc_cross(pc_sub(b, a), pc_sub(c, a));
@@ -79,7 +80,8 @@ pc_status pc_triangulate(pc_mesh *out, pc_index **source, pc_context *ctx, const
             memcpy(ring, corner, sides * sizeof *ring);
             cut_ears(&end, mesh->position, ring, sides, newell_normal(mesh->position, corner, sides));
         }
-        for (size_t t = (size_t)(begin - out->triangle) / 3; source && t < (size_t)(end - out->triangle) / 3; t++)
+        for (size_t t = (size_t)(begin - out->triangle) / 3; source && t < (size_t)(end - out->triangle) / 3;
+             t++)
             (*source)[t] = f;
     }
 done:

@@ -22,7 +22,8 @@ void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mes
     pc_index out = 3 * f, in = 3 * f + 2; /* from corner 0 to corner 1, and from corner 2 to corner 0 */
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 2; i++)
-            st[k][i] = (double)param->coordinate[2 * (size_t)mesh->triangle[3 * (size_t)f + k] + i] / PC_PERIOD;
+            st[k][i] =
+                (double)param->coordinate[2 * (size_t)mesh->triangle[3 * (size_t)f + k] + i] / PC_PERIOD;
     turn(st[1], param->turn[out] % 4);
     for (int i = 0; i < 2; i++) {
         st[1][i] += param->shift[2 * (size_t)out + i];
@@ -31,7 +32,8 @@ void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mes
     turn(st[2], (4 - param->turn[in] % 4) % 4);
 }
 
-/* Sander, Snyder, Gortler and Hoppe, Texture mapping progressive meshes, 2001: the two partial derivatives. */
+/* Sander, Snyder, Gortler and Hoppe, Texture mapping progressive meshes, 2001: the two partial derivatives.
+ */
 static void add_face(sums *sum, const pc_mesh *mesh, const pc_param *param, pc_index f) {
     double st[3][2];
     pc_vec3 p[3];
@@ -70,8 +72,10 @@ static void sum_block(sums *sum, const pc_mesh *mesh, const pc_param *param, siz
 }
 
 static void finish(pc_distortion *d, const sums *s, pc_index face_count) {
-    *d = (pc_distortion){.regular_faces = s->kind[PC_REGULAR], .dislocations = s->kind[PC_DISLOCATION],
-                         .field_singularities = s->kind[PC_FIELD_SINGULARITY], .flipped = s->kind[PC_FLIPPED]};
+    *d = (pc_distortion){.regular_faces = s->kind[PC_REGULAR],
+                         .dislocations = s->kind[PC_DISLOCATION],
+                         .field_singularities = s->kind[PC_FIELD_SINGULARITY],
+                         .flipped = s->kind[PC_FLIPPED]};
     if (face_count) d->singular_percent = 100.0 * (face_count - d->regular_faces) / face_count;
     if (!(s->area > 0)) return;
     d->stretch = sqrt(s->stretch / s->area * (s->param_area / s->area));

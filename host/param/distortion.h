@@ -8,10 +8,10 @@ typedef struct pc_distortion {
     pc_index regular_faces; /* those that the figures below are about */
     pc_index dislocations, field_singularities, flipped;
     double singular_percent; /* of all faces: all but the regular ones */
-    double stretch;          /* normalised L2 stretch (Sander et al. 2001, equations 3 and 4): 1 for an isometry,
-                                of any scale */
-    double shear;            /* mean |cos| of the angle between dX/ds and dX/dt, weighted by area: 0 where orthogonal */
-    double length_error;     /* area-weighted root mean square of log2(singular value / its mean) */
+    double stretch; /* normalised L2 stretch (Sander et al. 2001, equations 3 and 4): 1 for an isometry,
+                       of any scale */
+    double shear; /* mean |cos| of the angle between dX/ds and dX/dt, weighted by area: 0 where orthogonal */
+    double length_error; /* area-weighted root mean square of log2(singular value / its mean) */
 } pc_distortion;
 
 /* The parameter coordinates of the three corners of face f in the frame of its first corner, in periods. */
