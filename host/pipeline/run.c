@@ -3,6 +3,7 @@
 #include "export.h"
 #include "folder.h"
 #include "memory.h"
+#include "plan.h"
 #include "stage.h"
 
 static pc_status read_input(pc_run *run) {

@@ -1,11 +1,11 @@
 /* Mesh: the scan with long edges split, in an order that keeps neighbours close in memory. */
 #include "geometry.h"
 #include "memory.h"
+#include "plan.h"
 #include "refine.h"
 #include "stage.h"
 #include "topology.h"
 #include "user_order.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -19,11 +19,6 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_boolean(json, "keep_ngons", options->keep_ngons);
 }
 
-double pc_wanted_edge(const pc_convert_options *options, double area, double mean_edge) {
-    if (options->quads) return sqrt(area / (double)options->quads);
-    return options->edge_length > 0 ? options->edge_length : options->edge_factor * mean_edge;
-}
-
 static pc_status measure(pc_run *run, const pc_mesh *scan) {
     pc_held_mesh *held = &run->product.mesh;
     pc_adjacency adjacency;
@@ -35,7 +30,7 @@ static pc_status measure(pc_run *run, const pc_mesh *scan) {
     if (!(held->area > 0))
         return pc_fail(run->ctx, PC_E_MESH, "%s: the area of the surface is zero", run->scan_path);
     /* Cells that are split become quads of half their side. */
-    double edge = pc_wanted_edge(run->options, held->area, held->mean_edge);
+    double edge = pc_plan_edge(run->options, held->area, held->mean_edge);
     held->period = run->options->keep_ngons ? edge : 2 * edge;
     return PC_OK;
 }
