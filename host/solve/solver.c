@@ -3,6 +3,7 @@
 #include "clock.h"
 #include "hostvec.h"
 #include "memory.h"
+#include "multigrid.h"
 #include <math.h>
 #include <string.h>
 
@@ -10,6 +11,8 @@ struct pc_solver {
     pc_device *device;
     pc_solver_options options;
     pc_system system; /* a copy */
+    bool has_cycle;
+    pc_multigrid multigrid;
     double setup_seconds;
     double *r, *z, *p, *q;
 };
@@ -52,6 +55,11 @@ pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device,
     s->options = options ? *options : defaults;
     PC_TRY(copy_system(&s->system, ctx, system));
     PC_TRY(take_values(s, ctx, system));
+    if (s->options.preconditioner == PC_PRECONDITION_MULTIGRID) {
+        PC_TRY(pc_multigrid_make(&s->multigrid, ctx, &s->system));
+        PC_TRY(pc_multigrid_make_vectors(&s->multigrid, ctx));
+        s->has_cycle = true;
+    }
     PC_TRY(pc_new(&s->r, ctx, unknowns(s)));
     PC_TRY(pc_new(&s->z, ctx, unknowns(s)));
     PC_TRY(pc_new(&s->p, ctx, unknowns(s)));
@@ -71,6 +79,12 @@ pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *
         system->start[system->row_count] != solver->system.start[system->row_count])
         return pc_fail(ctx, PC_E_BUG, "a solver was given values for another graph");
     pc_status status = take_values(solver, ctx, system);
+    if (status == PC_OK && solver->options.preconditioner == PC_PRECONDITION_MULTIGRID) {
+        solver->has_cycle = false;
+        status = pc_multigrid_update(&solver->multigrid, ctx, &solver->system);
+        if (status == PC_OK) status = pc_multigrid_make_vectors(&solver->multigrid, ctx);
+        solver->has_cycle = status == PC_OK;
+    }
     solver->setup_seconds = pc_clock_wall() - begin;
     return status;
 }
@@ -78,11 +92,24 @@ pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *
 void pc_solver_free(pc_solver *solver, pc_context *ctx) {
     if (!solver) return;
     pc_system_free(&solver->system, ctx);
+    pc_multigrid_free(&solver->multigrid, ctx);
     pc_free(ctx, solver->r);
     pc_free(ctx, solver->z);
     pc_free(ctx, solver->p);
     pc_free(ctx, solver->q);
     pc_free(ctx, solver);
+}
+
+/* z = about A^-1 r; r.z. `norm` is |r|: the cycle gets r/|r|, so that floats never run out of range. */
+static double precondition(pc_solver *s, double norm) {
+    size_t n = unknowns(s);
+    if (!s->has_cycle)
+        return pc_hostvec_jacobi(s->z, s->r, s->system.diagonal, s->system.row_count,
+                                 pc_block_width(s->system.kind));
+    pc_hostvec_narrow(s->multigrid.level[0].b, s->r, 1 / norm, n);
+    pc_multigrid_cycle(&s->multigrid);
+    pc_hostvec_widen(s->z, s->multigrid.level[0].x, norm * s->multigrid.scale, n);
+    return pc_hostvec_dot(s->z, s->r, n);
 }
 
 /* Runs until the recurrence's |r| falls to `goal`. Returns the residual norm in `*norm`. */
@@ -92,8 +119,7 @@ static pc_status iterate(pc_solver *s, pc_context *ctx, double *x, double goal, 
     while (*norm > goal && *its < s->options.max_iterations) {
         pc_status status = pc_check_interrupt(ctx);
         if (status != PC_OK) return status;
-        double rho = pc_hostvec_jacobi(s->z, s->r, s->system.diagonal, s->system.row_count,
-                                       pc_block_width(s->system.kind));
+        double rho = precondition(s, *norm);
         pc_hostvec_direction(s->p, s->z, rho_old > 0 ? rho / rho_old : 0, n);
         pc_system_apply(s->q, &s->system, s->p);
         double curvature = pc_hostvec_dot(s->p, s->q, n);
