@@ -7,6 +7,11 @@
 static const double exact_power[23] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                        1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
+static const uint64_t integer_power[20] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
+                                           1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19};
+
+typedef unsigned __int128 wide;
+
 static bool is_digit(char c) {
     return (unsigned)(c - '0') < 10;
 }
@@ -42,6 +47,31 @@ static double read_slowly(const char *at, const char *end, int exponent) {
     }
     (void)snprintf(text + n, sizeof text - n, "e%d", exponent);
     return strtod(text, NULL);
+}
+
+static double power_of_two(int exponent) {
+    uint64_t bits = (uint64_t)(1023 + exponent) << 52;
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* mantissa / 10^places, exactly divided to 63 bits and rounded once: for numbers of 17 digits, which do not
+ * fit into a double, but are what a double prints as. */
+static double divide(uint64_t mantissa, ptrdiff_t places) {
+    if (mantissa == 0) return 0;
+    uint64_t divisor = integer_power[places];
+    int up = __builtin_clzll(mantissa);
+    int down = __builtin_clzll(divisor);
+    wide numerator = (wide)(mantissa << up) << 63;
+    uint64_t quotient = (uint64_t)(numerator / (divisor << down));
+    bool rest = numerator != (wide)quotient * (divisor << down);
+    int shift = 11 - __builtin_clzll(quotient);
+    uint64_t kept = quotient >> shift;
+    uint64_t lost = quotient - (kept << shift);
+    uint64_t half = (uint64_t)1 << (shift - 1);
+    if (lost > half || (lost == half && (rest || kept % 2 == 1))) kept++;
+    return (double)kept * power_of_two(shift - 63 + down - up);
 }
 
 static bool word_is(const char *at, const char *end, const char *word) {
@@ -93,6 +123,8 @@ pc_decimal_result pc_decimal_read(double *value, const char **at, const char *en
     double result;
     if (digits <= 19 && mantissa <= (uint64_t)1 << 53 && scale >= -22 && scale <= 22)
         result = scale < 0 ? (double)mantissa / exact_power[-scale] : (double)mantissa * exact_power[scale];
+    else if (digits <= 19 && scale < 0 && scale >= -19)
+        result = divide(mantissa, -scale);
     else
         result = read_slowly(first, digits_end, exponent);
     if (!isfinite(result)) return PC_DECIMAL_NOT_FINITE;
@@ -110,6 +142,9 @@ bool pc_decimal_read_integer(int64_t *value, const char **at, const char *end) {
     if (p < end && (*p == '-' || *p == '+')) p++;
     if (p == end || !is_digit(*p)) return false;
     int64_t result = 0;
+    const char *sure = end - p > 18 ? p + 18 : end;
+    for (; p < sure && is_digit(*p); p++)
+        result = 10 * result + (*p - '0');
     for (; p < end && is_digit(*p); p++)
         result = result > (limit - 9) / 10 ? limit : 10 * result + (*p - '0');
     *value = negative ? -result : result;
@@ -130,6 +165,64 @@ static int digits_of(char digits[20], double value, int precision) {
         n--;
     digits[n] = '\0';
     return *p == 'e' ? (int)strtol(p + 1, NULL, 10) : 0;
+}
+
+/* |value| in [1e-5, 1e14) as a fraction of integers: its decimals by integers alone, and whether they read
+ * back. */
+typedef struct fraction {
+    uint64_t mantissa;
+    int shift; /* |value| = mantissa / 2^shift */
+} fraction;
+
+static fraction fraction_of(double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    uint64_t mantissa = (bits & (((uint64_t)1 << 52) - 1)) | (uint64_t)1 << 52;
+    return (fraction){mantissa, 1075 - (int)(bits >> 52 & 0x7ff)};
+}
+
+static wide wide_power(int k) {
+    return k < 20 ? integer_power[k] : (wide)integer_power[19] * integer_power[k - 19];
+}
+
+/* The nearest decimal of `places` decimals, times 10^places; true where no other double is as near to it. */
+static bool round_to_places(uint64_t *decimal, fraction f, int places) {
+    wide power = wide_power(places);
+    wide scaled = (wide)f.mantissa * power;
+    wide half = (wide)1 << (f.shift - 1);
+    *decimal = (uint64_t)((scaled + half) >> f.shift);
+    wide back = (wide)*decimal << f.shift;
+    if (back == scaled + half && *decimal % 2 == 1) { /* half-way: to even, as printf does */
+        (*decimal)--;
+        back -= half + half;
+    }
+    wide error = back > scaled ? back - scaled : scaled - back;
+    return (f.mantissa == (uint64_t)1 << 52 ? 4 : 2) * error < power;
+}
+
+static double power_of_ten(int k) {
+    return k < 0 ? 1 / exact_power[-k] : exact_power[k];
+}
+
+static int quick_digits(char digits[20], double value) {
+    fraction f = fraction_of(value);
+    int exponent = (int)floor(log10(value));
+    exponent += value >= power_of_ten(exponent + 1);
+    exponent -= value < power_of_ten(exponent);
+    uint64_t decimal = 0;
+    int precision = 15;
+    while (!round_to_places(&decimal, f, precision - 1 - exponent))
+        precision++;
+    exponent += decimal == integer_power[precision]; /* 99.9... became 100 */
+    while (decimal % 10 == 0)
+        decimal /= 10;
+    int n = 0;
+    for (uint64_t rest = decimal; rest > 0; rest /= 10)
+        n++;
+    digits[n] = '\0';
+    for (; decimal > 0; decimal /= 10)
+        digits[--n] = (char)('0' + decimal % 10);
+    return exponent;
 }
 
 static size_t lay_out(char *text, bool negative, const char *digits, int exponent) {
@@ -154,7 +247,11 @@ size_t pc_decimal_write(char text[PC_DECIMAL_SPACE], double value) {
     char digits[20];
     size_t length = 0;
     if (value == 0) return lay_out(text, signbit(value), "0", 0);
-    for (int precision = 15; precision <= 17; precision++) {
+    if (fabs(value) >= 1e-5 && fabs(value) < 1e14) {
+        int exponent = quick_digits(digits, fabs(value));
+        return lay_out(text, value < 0, digits, exponent);
+    }
+    for (int precision = 1; precision <= 17; precision++) {
         double back = 0;
         int exponent = digits_of(digits, fabs(value), precision);
         length = lay_out(text, value < 0, digits, exponent);

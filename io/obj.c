@@ -59,13 +59,22 @@ static inline bool in_word(const pc_textcursor *c) {
     return c->at < c->end && !pc_is_space(*c->at) && !at_continuation(c);
 }
 
-/* Words of the statement, each passed over. */
+/* Words of the statement, each passed over: what next_word and in_word would give, at one look per character.
+ */
 static size_t count_words(pc_textcursor *c) {
     size_t count = 0;
-    while (next_word(c)) {
-        count++;
-        while (in_word(c))
-            c->at++;
+    bool between = true;
+    for (; c->at < c->end; c->at++) {
+        char letter = *c->at;
+        if (pc_is_newline(letter)) break;
+        bool blank = pc_is_blank(letter);
+        if ((letter == '#' && between) || (letter == '\\' && at_continuation(c))) {
+            between = true;
+            if (!next_word(c)) break;
+            blank = false;
+        }
+        count += between && !blank;
+        between = blank;
     }
     return count;
 }
@@ -94,26 +103,21 @@ static void count_piece(obj_piece *piece) {
         pc_skip_spaces(&c);
         if (c.at == c.end) return;
         char word = keyword(&c);
-        if (word == 'f') {
-            c.at++;
-            size_t sides = count_words(&c);
-            piece->faces++;
-            piece->triangles += sides < 3 ? 0 : sides - 2;
-            piece->polygons += sides > 3;
-            piece->short_faces += sides < 3;
+        if (word == '\0') {
+            note_other(piece, &c);
+            pc_skip_line(&c);
             continue;
         }
-        if (word == 'v')
-            piece->vertices++;
-        else
-            note_other(piece, &c);
+        c.at++;
+        size_t words = count_words(&c);
         if (word == 'v') {
-            while (next_word(&c))
-                while (in_word(&c))
-                    c.at++;
-        } else {
-            pc_skip_line(&c);
+            piece->vertices++;
+            continue;
         }
+        piece->faces++;
+        piece->triangles += words < 3 ? 0 : words - 2;
+        piece->polygons += words > 3;
+        piece->short_faces += words < 3;
     }
 }
 
