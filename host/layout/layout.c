@@ -252,15 +252,22 @@ done:
 }
 
 pc_status pc_layout_make(pc_layout *layout, pc_layout_stats *stats, pc_context *ctx, const pc_mesh *mesh,
-                         const pc_adjacency *adjacency, const pc_param *param) {
+                         const pc_param *param) {
     pc_status status = PC_OK;
+    pc_coned coned = {0};
     pc_overlay overlay = {0};
     pc_adjacency fine = {0};
     pc_cells cells = {0};
     pc_cells_stats counted;
     *layout = (pc_layout){0};
     *stats = (pc_layout_stats){0};
-    PC_TRY(pc_overlay_make(&overlay, ctx, mesh, adjacency, param));
+    PC_TRY(pc_coned_make(&coned, ctx, mesh, param));
+    PC_TRY(pc_adjacency_make(&fine, ctx, &coned.mesh));
+    PC_TRY(pc_overlay_make(&overlay, ctx, &coned, &fine));
+    for (pc_index f = 0; f < overlay.mesh.face_count; f++)
+        overlay.source_face[f] = coned.source_face[overlay.source_face[f]];
+    pc_coned_free(&coned, ctx);
+    pc_adjacency_free(&fine, ctx);
     PC_TRY(pc_adjacency_make(&fine, ctx, &overlay.mesh));
     PC_TRY(pc_cells_make(&cells, &counted, ctx, &overlay, &fine));
     stats->dangling_edges = counted.dangling_edges;
@@ -274,6 +281,7 @@ pc_status pc_layout_make(pc_layout *layout, pc_layout_stats *stats, pc_context *
     overlay.source_face = NULL;
     cells.cell = NULL;
 done:
+    pc_coned_free(&coned, ctx);
     pc_cells_free(&cells, ctx);
     pc_adjacency_free(&fine, ctx);
     pc_overlay_free(&overlay, ctx);

@@ -31,7 +31,7 @@ typedef struct pc_layout_stats {
 /* The cells between the iso-lines of `param`. Every cell is a disk, no arc has the same cell on both sides or the same
  * node at both ends, so that nodes - arcs + cells = chi of the mesh, exactly (digest C28, C29). */
 pc_status pc_layout_make(pc_layout *layout, pc_layout_stats *stats, pc_context *ctx, const pc_mesh *mesh,
-                         const pc_adjacency *adjacency, const pc_param *param);
+                         const pc_param *param);
 void pc_layout_free(pc_layout *layout, pc_context *ctx);
 /* All that is promised above, and that every side of every cell is where the arcs say. PC_E_BUG else. */
 pc_status pc_layout_check(const pc_layout *layout, pc_context *ctx);

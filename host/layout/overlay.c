@@ -15,6 +15,7 @@ typedef struct edge_points {
 
 typedef struct drawing {
     const pc_mesh *mesh;
+    pc_index first_cone;
     const pc_adjacency *adjacency;
     const pc_param *param;
     pc_overlay *overlay;
@@ -23,8 +24,15 @@ typedef struct drawing {
     pc_index *crossing;    /* per scan face: the vertex where its chords cross, PC_NONE */
 } drawing;
 
-static bool is_closed(const pc_param *param, pc_index f) {
-    return param->singular[f] == PC_REGULAR || param->singular[f] == PC_FLIPPED;
+/* Where the families of lines keep apart: everywhere but in field singularities without a cone. */
+static bool is_drawable(const pc_param *param, pc_index f) { return param->singular[f] != PC_FIELD_SINGULARITY; }
+
+static bool is_cone(const drawing *d, pc_index v) { return v >= d->first_cone; }
+
+/* The half-edge in whose tail's frame the points of an edge are told: never a cone's, whose frame is ambiguous. */
+static pc_index base_half(const drawing *d, pc_index e) {
+    pc_index h = d->adjacency->edge_half[e];
+    return is_cone(d, pc_tail(d->mesh, h)) ? d->adjacency->twin[h] : h;
 }
 
 /* The period boundary strictly between two odd numbers less than a period apart; false if there is none. */
@@ -37,9 +45,9 @@ static bool crossed_line(int64_t *line, int64_t from, int64_t to) {
 
 static void find_edge_points(const drawing *d, pc_index e, double abscissa[2]) {
     edge_points *points = &d->points[e];
-    pc_index h = d->adjacency->edge_half[e], twin = d->adjacency->twin[h];
+    pc_index h = base_half(d, e), twin = d->adjacency->twin[h];
     *points = (edge_points){.first_vertex = PC_NONE};
-    if (!is_closed(d->param, h / 3) && (twin == PC_NONE || !is_closed(d->param, twin / 3))) return;
+    if (!is_drawable(d->param, h / 3) && (twin == PC_NONE || !is_drawable(d->param, twin / 3))) return;
     const int32_t *c = d->param->coordinate;
     size_t i = pc_tail(d->mesh, h), j = pc_head(d->mesh, h);
     pc_point2 p = {c[2 * i], c[2 * i + 1]};
@@ -75,25 +83,41 @@ static int frame_parity(const pc_param *param, pc_index f, int k) {
     return k == 0 ? 0 : k == 1 ? param->turn[h] & 1 : param->turn[h + 2] & 1;
 }
 
+/* Joins the ends of one family. Two make a chord; a single one in a face with a cone ends there; of the three that a
+ * dislocation may leave, the two that are closest go on and the third ends. */
+static void join_ends(chord *line, const int end[3], int count, int cone_position, const ring *around,
+                      const double *position) {
+    line->present = count >= 2 || (count == 1 && cone_position >= 0);
+    if (!line->present) return;
+    int a = end[0], b = count == 1 ? cone_position : end[1];
+    double best = INFINITY;
+    for (int skip = 0; count == 3 && skip < 3; skip++) {
+        int p = end[skip == 0 ? 1 : 0], q = end[skip == 2 ? 1 : 2];
+        double length = pc_distance(pc_vec3_at(position, around->vertex[p]), pc_vec3_at(position, around->vertex[q]));
+        if (length < best) best = length, a = p, b = q;
+    }
+    line->end[0] = a < b ? a : b, line->end[1] = a < b ? b : a;
+}
+
 static void walk_ring(ring *around, chord chords[2], const drawing *d, pc_index f) {
     around->count = 0;
     chords[0] = chords[1] = (chord){.present = false};
-    int ends[2] = {0, 0};
+    int ends[2] = {0, 0}, end[2][3], cone_position = -1;
     for (int k = 0; k < 3; k++) {
         pc_index h = 3 * f + (pc_index)k, e = d->adjacency->edge[h];
         const edge_points *points = &d->points[e];
-        bool forward = d->adjacency->edge_half[e] == h;
+        bool forward = base_half(d, e) == h;
         int parity = frame_parity(d->param, f, forward ? k : (k + 1) % 3);
+        if (is_cone(d, d->mesh->triangle[h])) cone_position = around->count;
         around->vertex[around->count++] = d->mesh->triangle[h];
         for (int a = 0; a < points->count; a++) {
             int b = forward ? a : points->count - 1 - a, family = points->family[b] ^ parity;
-            if (ends[family] < 2) chords[family].end[ends[family]] = around->count;
-            ends[family]++;
+            end[family][ends[family]++] = around->count;
             around->vertex[around->count++] = points->first_vertex + (pc_index)b;
         }
     }
-    for (int family = 0; family < 2; family++)
-        chords[family].present = is_closed(d->param, f) && ends[family] == 2;
+    for (int family = 0; family < 2 && is_drawable(d->param, f); family++)
+        join_ends(&chords[family], end[family], ends[family], cone_position, around, d->overlay->mesh.position);
 }
 
 static bool chords_cross(const chord chords[2]) {
@@ -250,6 +274,20 @@ done:
     return status;
 }
 
+static void place_edge_points(const drawing *d, const double *abscissa) {
+    const pc_mesh *mesh = d->mesh;
+    double *position = d->overlay->mesh.position;
+    memcpy(position, mesh->position, 3 * sizeof(double) * (size_t)mesh->vertex_count);
+#pragma omp parallel for schedule(static, GRAIN)
+    for (pc_index e = 0; e < d->adjacency->edge_count; e++) {
+        pc_index h = base_half(d, e);
+        pc_vec3 p = pc_vec3_at(mesh->position, pc_tail(mesh, h)), q = pc_vec3_at(mesh->position, pc_head(mesh, h));
+        for (int k = 0; k < d->points[e].count; k++)
+            pc_vec3_put(position, d->points[e].first_vertex + (pc_index)k,
+                        pc_madd(p, abscissa[2 * (size_t)e + (size_t)k], pc_sub(q, p)));
+    }
+}
+
 static pc_status number_faces(drawing *d, pc_context *ctx, pc_index *vertex_count) {
     pc_status status = PC_OK;
     pc_index faces = d->mesh->face_count;
@@ -272,28 +310,26 @@ done:
     return status;
 }
 
-pc_status pc_overlay_make(pc_overlay *overlay, pc_context *ctx, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency, const pc_param *param) {
+pc_status pc_overlay_make(pc_overlay *overlay, pc_context *ctx, const pc_coned *coned,
+                          const pc_adjacency *adjacency) {
     pc_status status = PC_OK;
-    drawing d = {.mesh = mesh, .adjacency = adjacency, .param = param, .overlay = overlay};
+    const pc_mesh *mesh = &coned->mesh;
+    const pc_param *param = &coned->param;
+    drawing d = {.mesh = mesh, .first_cone = coned->first_cone, .adjacency = adjacency, .param = param, .overlay = overlay};
     double *abscissa = NULL;
     pc_index vertices = mesh->vertex_count;
     *overlay = (pc_overlay){0};
     PC_TRY(number_edge_points(&d, ctx, &abscissa, &vertices));
+    /* Positions first: where a dislocation leaves a choice, lengths decide. */
+    PC_TRY(pc_new(&overlay->mesh.position, ctx, 3 * ((size_t)vertices + mesh->face_count)));
+    place_edge_points(&d, abscissa);
     PC_TRY(number_faces(&d, ctx, &vertices));
     pc_index faces = d.first_face[mesh->face_count];
-    PC_TRY(pc_mesh_make(&overlay->mesh, ctx, vertices, faces));
+    overlay->mesh.vertex_count = vertices, overlay->mesh.face_count = faces;
+    PC_TRY(pc_resize(&overlay->mesh.position, ctx, 3 * (size_t)vertices));
+    PC_TRY(pc_new(&overlay->mesh.triangle, ctx, 3 * (size_t)faces));
     PC_TRY(pc_new(&overlay->source_face, ctx, faces));
     PC_TRY(pc_new(&overlay->drawn, ctx, 3 * (size_t)faces));
-    memcpy(overlay->mesh.position, mesh->position, 3 * sizeof(double) * (size_t)mesh->vertex_count);
-#pragma omp parallel for schedule(static, GRAIN)
-    for (pc_index e = 0; e < adjacency->edge_count; e++) {
-        pc_index h = adjacency->edge_half[e];
-        pc_vec3 p = pc_vec3_at(mesh->position, pc_tail(mesh, h)), q = pc_vec3_at(mesh->position, pc_head(mesh, h));
-        for (int k = 0; k < d.points[e].count; k++)
-            pc_vec3_put(overlay->mesh.position, d.points[e].first_vertex + (pc_index)k,
-                        pc_madd(p, abscissa[2 * (size_t)e + (size_t)k], pc_sub(q, p)));
-    }
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index f = 0; f < mesh->face_count; f++)
         draw_face(&d, f);

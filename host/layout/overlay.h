@@ -7,7 +7,7 @@
 #ifndef PC_OVERLAY_H
 #define PC_OVERLAY_H
 
-#include "param.h"
+#include "cone.h"
 
 typedef struct pc_overlay {
     pc_mesh mesh;          /* scan vertices first, then points on edges, then crossings inside triangles */
@@ -15,9 +15,10 @@ typedef struct pc_overlay {
     uint8_t *drawn;        /* per half-edge of mesh: 1 where it lies on an iso-line */
 } pc_overlay;
 
-/* Chords are drawn in all triangles whose transitions close; what ends at a singular triangle dangles. */
-pc_status pc_overlay_make(pc_overlay *overlay, pc_context *ctx, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency, const pc_param *param);
+/* `adjacency` is that of coned->mesh. Lines run into cones; at a dislocation the line too many ends, at a field
+ * singularity without a cone all do, and dangle. */
+pc_status pc_overlay_make(pc_overlay *overlay, pc_context *ctx, const pc_coned *coned,
+                          const pc_adjacency *adjacency);
 void pc_overlay_free(pc_overlay *overlay, pc_context *ctx);
 
 /* Splits the faces with flag[f] = 1 at their centroid, and those of their edges that are not in `keep` (per half-edge,

@@ -1,12 +1,12 @@
 #include "repair.h"
 #include "bisect.h"
+#include "duplicates.h"
 #include "fansplit.h"
 #include "halfsort.h"
 #include "memory.h"
 #include "sheets.h"
 #include "slivers.h"
 #include "vec3.h"
-#include "weld.h"
 #include <math.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@ typedef struct workpiece {
     uint8_t *doubled;      /* per face: a dropped duplicate ran the other way round */
 } workpiece;
 
-static pc_status check_input(pc_context *ctx, const pc_mesh *in) {
+pc_status pc_repair_check_input(pc_context *ctx, const pc_mesh *in) {
     for (size_t i = 0; i < 3 * (size_t)in->face_count; i++)
         if (in->triangle[i] >= in->vertex_count)
             return pc_fail(ctx, PC_E_MESH, "face %zu uses vertex %u of %u", i / 3, in->triangle[i],
@@ -74,7 +74,7 @@ done:
 }
 
 static pc_status merge_vertices(workpiece *w, pc_repair_report *report, pc_context *ctx) {
-    pc_status status = pc_weld_vertices(&w->weld, ctx, w->in);
+    pc_status status = pc_duplicates_of_vertices(&w->weld, ctx, w->in);
     if (status != PC_OK) return status;
     for (pc_index v = 0; v < w->in->vertex_count; v++)
         if (w->weld[v] != v) pc_defect_note(&report->merged_vertices, v);
@@ -111,7 +111,7 @@ static pc_status drop_duplicates(workpiece *w, pc_repair_report *report, pc_cont
     uint8_t *drop = NULL;
     PC_TRY(pc_new(&w->doubled, ctx, w->mesh.face_count));
     PC_TRY(pc_new(&drop, ctx, w->mesh.face_count));
-    PC_TRY(pc_weld_faces(&same, ctx, &w->mesh));
+    PC_TRY(pc_duplicates_of_faces(&same, ctx, &w->mesh));
     for (pc_index f = 0; f < w->mesh.face_count; f++) {
         const pc_index *t = w->mesh.triangle;
         drop[f] = same[f] != f;
@@ -413,7 +413,7 @@ pc_status pc_repair(pc_mesh *out, pc_repair_report *report, pc_context *ctx, con
     workpiece w = {.in = in};
     *out = (pc_mesh){0};
     *report = (pc_repair_report){0};
-    PC_TRY(check_input(ctx, in));
+    PC_TRY(pc_repair_check_input(ctx, in));
     PC_TRY(begin_work(&w, ctx));
     PC_TRY(merge_vertices(&w, report, ctx));
     PC_TRY(drop_degenerate(&w, report, ctx));

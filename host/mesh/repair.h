@@ -58,6 +58,9 @@ typedef struct pc_repair_report {
  * orientation (unless tear_nonorientable), crowded edges with `strict`. */
 pc_status pc_repair(pc_mesh *out, pc_repair_report *report, pc_context *ctx, const pc_mesh *in,
                     const pc_repair_options *options);
+/* What pc_repair demands of any soup: vertex indices in range, coordinates finite. PC_E_MESH names the first
+ * offender.*/
+pc_status pc_repair_check_input(pc_context *ctx, const pc_mesh *in);
 void pc_repair_report_free(pc_repair_report *report, pc_context *ctx);
 
 static inline void pc_defect_note(pc_defect *defect, pc_index id) {

@@ -30,6 +30,8 @@ static void couple_edge(pc_coupling *coupling, pc_index edge, const pc_mesh *mes
     /* K' = R90^r K_j sees the edge at angle aj - r*90 degrees; r is the one closest to how K_i sees it. */
     double ai = edge_angle(field, i, e), aj = edge_angle(field, j, e);
     int quarters = (int)lround((aj - ai) / (PC_PI / 2));
+    int turn = field->turn[h] & 3;
+    quarters += ((turn - quarters) % 4 + 5) % 4 - 1; /* the field's own choice; extrinsic angles may differ near 45 deg */
     aj -= quarters * (PC_PI / 2);
     double half = 0.5 * pc_norm(e) / period_length;
     double fi = half * (scale ? scale[i] : 1), fj = half * (scale ? scale[j] : 1);

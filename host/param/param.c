@@ -68,7 +68,7 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
     for (int round = 0; round < 3; round++) {
-        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, 1e-6, &stats->iterations));
+        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, 1e-6, &stats->iterations));
         pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
         pc_reconstruct_flags(param, mesh);
         count_flags(stats, param);

@@ -1,4 +1,4 @@
-#include "weld.h"
+#include "duplicates.h"
 #include "memory.h"
 #include "random.h"
 #include <string.h>
@@ -35,7 +35,7 @@ static bool same_place(const double *position, pc_index v, pc_index w) {
     return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
 }
 
-pc_status pc_weld_vertices(pc_index **same, pc_context *ctx, const pc_mesh *mesh) {
+pc_status pc_duplicates_of_vertices(pc_index **same, pc_context *ctx, const pc_mesh *mesh) {
     pc_status status = PC_OK;
     item_table table = {0};
     uint64_t *key = NULL;
@@ -75,7 +75,7 @@ static bool same_corners(const pc_mesh *mesh, pc_index f, pc_index g) {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-pc_status pc_weld_faces(pc_index **same, pc_context *ctx, const pc_mesh *mesh) {
+pc_status pc_duplicates_of_faces(pc_index **same, pc_context *ctx, const pc_mesh *mesh) {
     pc_status status = PC_OK;
     item_table table = {0};
     *same = NULL;
