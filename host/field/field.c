@@ -107,8 +107,10 @@ pc_status pc_field_make(pc_field *field, pc_context *ctx, pc_device *device, con
     pc_status status = PC_OK;
     pc_connection connection = {0};
     data d = {0};
-    pc_smooth_options smooth = {options->symmetry, options->smoothness, options->feature_length,
-                                options->rounds,   options->tolerance,  options->solver};
+    pc_smooth_options smooth = {options->symmetry,       options->smoothness,
+                                options->feature_length, options->relief_edges * curvature->mean_edge,
+                                options->rounds,         options->tolerance,
+                                options->solver};
     if (!(smooth.length > 0)) smooth.length = options->feature_edges * curvature->mean_edge;
     *field = (pc_field){0};
     PC_TRY(check_options(ctx, options));
