@@ -47,6 +47,39 @@ done:
     return status;
 }
 
+/* Periods around and across the torus as a parameterization: no singularities. */
+static pc_status torus_param(pc_param *param, pc_context *ctx, const pc_mesh *mesh, pc_index around,
+                             pc_index across) {
+    pc_status status;
+    int64_t *whole = NULL; /* per vertex: s and t before they are cut to one period */
+    const int64_t round = 30LL * PC_PERIOD, tube = 12LL * PC_PERIOD;
+    *param = (pc_param){.vertex_count = mesh->vertex_count, .face_count = mesh->face_count};
+    param->period_length = 2 * PC_PI * 2 / 30;
+    PC_TRY(pc_new(&whole, ctx, 2 * (size_t)mesh->vertex_count));
+    PC_TRY(pc_new(&param->coordinate, ctx, 2 * (size_t)mesh->vertex_count));
+    PC_TRY(pc_new(&param->turn, ctx, 3 * (size_t)mesh->face_count));
+    PC_TRY(pc_new(&param->shift, ctx, 6 * (size_t)mesh->face_count));
+    PC_TRY(pc_new(&param->singular, ctx, mesh->face_count));
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+        whole[2 * v] = (int64_t)(v % around) * round / around | 1;
+        whole[2 * v + 1] = (int64_t)(v / around) * tube / across | 1;
+        for (int c = 0; c < 2; c++)
+            param->coordinate[2 * v + c] = (int32_t)(whole[2 * v + c] % PC_PERIOD);
+    }
+    for (size_t h = 0; h < 3 * (size_t)mesh->face_count; h++)
+        for (int c = 0; c < 2; c++) {
+            size_t i = 2 * (size_t)pc_tail(mesh, (pc_index)h) + c,
+                   j = 2 * (size_t)pc_head(mesh, (pc_index)h) + c;
+            int64_t step = whole[j] - whole[i], full = c ? tube : round;
+            step += step > full / 2 ? -full : step < -full / 2 ? full : 0;
+            param->shift[2 * h + c] =
+                (int32_t)((step + param->coordinate[i] - param->coordinate[j]) / PC_PERIOD);
+        }
+done:
+    pc_free(ctx, whole);
+    return status;
+}
+
 static pc_status save(pc_context *ctx, pc_picture *picture, const char *folder, const char *name,
                       double start, double cpu) {
     char path[1024];
@@ -57,6 +90,42 @@ static pc_status save(pc_context *ctx, pc_picture *picture, const char *folder, 
     pc_picture_free(picture, ctx);
     (void)printf("%-20s drawn %.3f s (%.3f s of processor time), written %.3f s\n", name, drawn - start, cpu,
                  pc_clock_wall() - drawn);
+    return status;
+}
+
+/* Iso-lines and a map of numbers on a torus. */
+static pc_status render_torus(pc_context *ctx, const char *folder) {
+    pc_status status;
+    pc_mesh mesh = {0};
+    pc_param param = {0};
+    pc_picture picture = {0};
+    double *value = NULL;
+    pc_picture_options options = PC_PICTURE_DEFAULTS;
+    PC_TRY(pc_synth_torus(&mesh, ctx, 2, 0.8, 300, 120));
+    PC_TRY(torus_param(&param, ctx, &mesh, 300, 120));
+    double start = pc_clock_wall(), cpu = pc_clock_cpu();
+    options.view = PC_VIEW_ISO;
+    PC_TRY(pc_picture_make(&picture, ctx, mesh.position, mesh.vertex_count, &options));
+    PC_TRY(pc_scene_param(&picture, ctx, &mesh, &param));
+    PC_TRY(save(ctx, &picture, folder, "isolines", start, cpu));
+    start = pc_clock_wall(), cpu = pc_clock_cpu();
+    options.view = PC_VIEW_PAIR, options.legend = 1;
+    PC_TRY(pc_new(&value, ctx, mesh.vertex_count));
+    for (size_t v = 0; v < mesh.vertex_count; v++) {
+        double x = mesh.position[3 * v], y = mesh.position[3 * v + 1], r = sqrt(x * x + y * y);
+        value[v] = (r - 2) / 0.64 / r; /* Gaussian curvature */
+    }
+    PC_TRY(pc_picture_make(&picture, ctx, mesh.position, mesh.vertex_count, &options));
+    PC_TRY(pc_scene_values(&picture, ctx, &mesh, value, &pc_colormap_diverging, 0, 0, "Gaussian curvature"));
+    PC_TRY(pc_scene_caption(&picture, ctx,
+                            "ABCDEFGHIJKLMNOPQRSTUVWXYZ abcdefghijklmnopqrstuvwxyz 0123456789 "
+                            "!\"#%&'()*+,-./:;<=>?[\\]^_{|}~"));
+    PC_TRY(save(ctx, &picture, folder, "values", start, cpu));
+done:
+    pc_free(ctx, value);
+    pc_picture_free(&picture, ctx);
+    pc_param_free(&param, ctx);
+    pc_mesh_free(&mesh, ctx);
     return status;
 }
 
@@ -81,6 +150,7 @@ static pc_status render(pc_context *ctx, const char *folder, pc_index steps) {
     PC_TRY(pc_picture_make(&picture, ctx, quads.position, quads.vertex_count, &options));
     PC_TRY(pc_scene_quads(&picture, ctx, &quads));
     PC_TRY(save(ctx, &picture, folder, "quads", start, cpu));
+    PC_TRY(render_torus(ctx, folder));
 done:
     pc_picture_free(&picture, ctx);
     pc_polymesh_free(&quads, ctx);

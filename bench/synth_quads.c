@@ -1,4 +1,5 @@
 #include "synth_quads.h"
+#include "synth.h"
 #include "vec3.h"
 #include <string.h>
 
@@ -43,16 +44,6 @@ pc_status pc_synth_quad_torus(pc_polymesh *mesh, pc_context *ctx, double major, 
     return PC_OK;
 }
 
-/* The number of the lattice point x of the surface of a cube of n steps: layer by layer of z, around each
- * ring. */
-static pc_index cube_vertex(const pc_index x[3], pc_index n) {
-    pc_index bottom = (n + 1) * (n + 1), ring = 4 * n;
-    if (x[2] == 0) return x[0] + x[1] * (n + 1);
-    if (x[2] == n) return bottom + (n - 1) * ring + x[0] + x[1] * (n + 1);
-    pc_index at = x[1] == 0 ? x[0] : x[0] == n ? n + x[1] : x[1] == n ? 3 * n - x[0] : 4 * n - x[1];
-    return bottom + (x[2] - 1) * ring + at;
-}
-
 pc_status pc_synth_quad_sphere(pc_polymesh *mesh, pc_context *ctx, pc_index n) {
     size_t faces = 6 * (size_t)n * n;
     pc_status status = pc_polymesh_make(mesh, ctx, faces + 2, faces, 4 * faces);
@@ -61,19 +52,11 @@ pc_status pc_synth_quad_sphere(pc_polymesh *mesh, pc_context *ctx, pc_index n) {
     for (int side = 0; side < 6; side++)
         for (pc_index j = 0; j < n; j++)
             for (pc_index i = 0; i < n; i++, f++) {
-                int axis = side / 2, far = side % 2;
-                for (pc_index k = 0; k < 4; k++) {
-                    pc_index a = i + (k == 1 || k == 2), b = j + (k >= 2), x[3];
-                    x[axis] = far ? n : 0;
-                    x[(axis + 1) % 3] = far ? a : b;
-                    x[(axis + 2) % 3] = far ? b : a;
-                    pc_index v = cube_vertex(x, n);
-                    pc_vec3 p = {2.0 * x[0] / n - 1, 2.0 * x[1] / n - 1, 2.0 * x[2] / n - 1};
-                    pc_vec3_put(mesh->position, v, pc_unit(p));
-                    mesh->corner[4 * f + k] = v;
-                }
+                pc_synth_cube_square(mesh->corner + 4 * (size_t)f, mesh->position, side, i, j, n);
                 mesh->start[f + 1] = 4 * f + 4;
             }
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+        pc_vec3_put(mesh->position, v, pc_unit(pc_vec3_at(mesh->position, v)));
     return PC_OK;
 }
 

@@ -1,6 +1,6 @@
 #include "quality.h"
 #include "memory.h"
-#include "triangulate.h"
+#include "polysurface.h"
 
 static const double degrees = 180 / PC_PI;
 
@@ -210,7 +210,7 @@ static pc_status measure_distances(pc_quality *q, pc_context *ctx, const survey 
     pc_mesh surface = {0};
     pc_bvh tree = {0};
     double *component = NULL, edges = s->scan_graph.count.edges, scan_edge;
-    PC_TRY(pc_triangulate(&surface, NULL, ctx, s->quads));
+    PC_TRY(pc_polysurface_make(&surface, NULL, ctx, s->quads));
     PC_TRY(pc_bvh_make(&tree, ctx, &surface));
     PC_TRY(pc_new(&component, ctx, q->scan.components));
     scan_edge = edges > 0 ? sqrt(q->scan_area * 4 / (sqrt(3) * s->scan->face_count)) : 0;

@@ -75,12 +75,14 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
     PC_TRY(pc_new(&picture->depth, ctx, total));
     PC_TRY(pc_new(&picture->color, ctx, total));
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < picture->rows; y++)
+    for (int y = 0; y < picture->rows; y++) {
+        pc_color color = background(y, picture->rows);
         for (int x = 0; x < picture->columns; x++) {
             size_t i = (size_t)y * (size_t)picture->columns + (size_t)x;
             picture->depth[i] = -INFINITY;
-            picture->color[i] = background(y, picture->rows);
+            picture->color[i] = color;
         }
+    }
 done:
     if (status != PC_OK) pc_picture_free(picture, ctx);
     return status;

@@ -47,7 +47,7 @@ pc_status pc_scene_values(pc_picture *picture, pc_context *ctx, const pc_mesh *m
     for (size_t i = 0; i < mesh->vertex_count; i++)
         shown[i] = (float)((value[i] - low) / (high - low));
     pc_surface s = pc_surface_of(mesh->position, mesh->vertex_count, mesh->triangle, mesh->face_count);
-    s.value = shown, s.map = map, s.low = 0, s.high = 1, s.cavity = 0.5F;
+    s.value = shown, s.map = map, s.low = 0, s.high = 1, s.cavity = 0.5F, s.even = 0.45F;
     PC_TRY(pc_surface_draw(picture, ctx, &s));
     PC_TRY(pc_legend_draw(picture, ctx, map, low, high, title));
 done:
@@ -120,8 +120,13 @@ static pc_status face_lines(line_list *list, pc_context *ctx, const pc_mesh *mes
     if (last < first) return PC_OK;
     pc_status status = grow(list, ctx, (size_t)(last - first + 1));
     if (status != PC_OK) return status;
+    pc_vec3 a = pc_vec3_at(mesh->position, mesh->triangle[3 * face]);
+    pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, mesh->triangle[3 * face + 1]), a),
+                         pc_sub(pc_vec3_at(mesh->position, mesh->triangle[3 * face + 2]), a));
+    n = pc_unit(n);
     for (int64_t m = first; m <= last; m++) {
         pc_stroke *s = &list->stroke[list->count];
+        s->normal[0] = (float)n.x, s->normal[1] = (float)n.y, s->normal[2] = (float)n.z;
         int whole = (m * step) % PC_PERIOD == 0;
         s->color = whole ? 0x17324d : 0x6f8ba3, s->width = whole ? width : 0.5F * width;
         list->count += (size_t)level_line(s->from, s->to, mesh, face, value, m * step);
@@ -187,9 +192,9 @@ static pc_status draw_arcs(pc_picture *picture, pc_context *ctx, const pc_layout
     for (size_t a = 0; a < layout->arc_count; a++)
         for (size_t k = layout->arc_start[a]; k + 1 < layout->arc_start[a + 1]; k++) {
             pc_stroke *s = &list.stroke[list.count++];
+            *s = (pc_stroke){.color = 0x1e3346, .width = 1.4F * (float)picture->height / 1200};
             pc_vec3_put(s->from, 0, pc_vec3_at(layout->mesh.position, layout->arc_vertex[k]));
             pc_vec3_put(s->to, 0, pc_vec3_at(layout->mesh.position, layout->arc_vertex[k + 1]));
-            s->color = 0x1e3346, s->width = 1.4F * (float)picture->height / 1200;
         }
     PC_TRY(pc_stroke_draw(picture, ctx, list.stroke, list.count, 0.3 * pixel));
 done:
@@ -207,7 +212,7 @@ pc_status pc_scene_layout(pc_picture *picture, pc_context *ctx, const pc_layout 
     PC_TRY(pc_new(&color, ctx, mesh->face_count));
     for (size_t f = 0; f < mesh->face_count; f++)
         color[f] = pc_color_pastel(layout->cell[f]);
-    s.face_color = color, s.cavity = 0.7F;
+    s.face_color = color, s.cavity = 0.7F, s.even = 0.25F;
     PC_TRY(pc_surface_draw(picture, ctx, &s));
     PC_TRY(draw_arcs(picture, ctx, layout, pixel));
     PC_TRY(pc_new(&ball, ctx, layout->node_count));

@@ -92,13 +92,23 @@ done:
     return status;
 }
 
+static pc_vec3 polygon_normal(const pc_polymesh *q, pc_index face) {
+    pc_vec3 n = {0, 0, 0}, a = pc_vec3_at(q->position, q->corner[q->start[face]]);
+    for (pc_index c = q->start[face] + 1; c + 1 < q->start[face + 1]; c++)
+        n = pc_add(n, pc_cross(pc_sub(pc_vec3_at(q->position, q->corner[c]), a),
+                               pc_sub(pc_vec3_at(q->position, q->corner[c + 1]), a)));
+    return pc_unit(n);
+}
+
 static pc_status draw_edges(pc_picture *picture, pc_context *ctx, const pc_polymesh *q, double bias,
                             float width) {
     pc_stroke *stroke = NULL;
     size_t count = 0;
     pc_status status = pc_new(&stroke, ctx, q->start[q->face_count]);
     if (status != PC_OK) return status;
-    for (pc_index f = 0; f < q->face_count; f++)
+    for (pc_index f = 0; f < q->face_count; f++) {
+        if (q->start[f + 1] - q->start[f] < 3) continue;
+        pc_vec3 n = polygon_normal(q, f);
         for (pc_index c = q->start[f]; c < q->start[f + 1]; c++) {
             pc_index a = q->corner[c], b = q->corner[c + 1 < q->start[f + 1] ? c + 1 : q->start[f]];
             /* drawn from both sides: the same line twice covers the same samples */
@@ -106,8 +116,10 @@ static pc_status draw_edges(pc_picture *picture, pc_context *ctx, const pc_polym
             pc_stroke *s = &stroke[count++];
             pc_vec3_put(s->from, 0, p);
             pc_vec3_put(s->to, 0, r);
+            s->normal[0] = (float)n.x, s->normal[1] = (float)n.y, s->normal[2] = (float)n.z;
             s->color = 0x1e3346, s->width = width;
         }
+    }
     status = pc_stroke_draw(picture, ctx, stroke, count, bias);
     pc_free(ctx, stroke);
     return status;

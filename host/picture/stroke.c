@@ -108,6 +108,12 @@ static pc_status draw_lines(pc_picture *picture, pc_context *ctx, const screen_l
     return PC_OK;
 }
 
+static int faces_away(const pc_camera *c, const pc_stroke *stroke) {
+    pc_vec3 n = {stroke->normal[0], stroke->normal[1], stroke->normal[2]};
+    pc_vec3 p = pc_sub(pc_vec3_at(stroke->from, 0), c->centre);
+    return pc_dot(n, pc_sub(pc_scale(c->distance, c->back), p)) < 0;
+}
+
 /* On one pane, or, where `pane` is NULL, flat on the picture. */
 static pc_status draw_strokes(pc_picture *picture, pc_context *ctx, const pc_pane *pane,
                               const pc_stroke *stroke, size_t count, double bias) {
@@ -130,6 +136,7 @@ static pc_status draw_strokes(pc_picture *picture, pc_context *ctx, const pc_pan
             l->b[0] = (float)stroke[i].to[0] * s, l->b[1] = (float)stroke[i].to[1] * s;
         }
         span[i] = line_span(l, pane ? pane->box : whole);
+        if (pane && faces_away(&pane->camera, &stroke[i])) span[i] = PC_SPAN_NONE;
     }
     float lift = pane ? (float)(bias / pane->camera.distance) : INFINITY;
     PC_TRY(draw_lines(picture, ctx, line, span, stroke, count, lift));

@@ -7,6 +7,7 @@
 
 typedef struct pc_stroke {
     double from[3], to[3]; /* the line's ends, model units */
+    float normal[3];       /* of the surface it lies on: seen only from that side. Zero: from both */
     pc_color color;
     float width; /* pixels */
 } pc_stroke;

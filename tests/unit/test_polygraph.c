@@ -6,7 +6,7 @@
 #include "synth_quads.h"
 #include "synth_wear.h"
 #include "testing.h"
-#include "triangulate.h"
+#include "polysurface.h"
 #include "vec3.h"
 
 static pc_surface_count count_of(pc_context *ctx, const pc_polymesh *mesh) {
@@ -149,7 +149,7 @@ static void triangles_cover_polygons(void **state) {
     pc_index *source;
     double least;
     assert_ok(ctx, pc_synth_quad_tee(&mesh, ctx));
-    assert_ok(ctx, pc_triangulate(&cut, &source, ctx, &mesh));
+    assert_ok(ctx, pc_polysurface_make(&cut, &source, ctx, &mesh));
     assert_int_equal(cut.face_count, 7);
     assert_true(fabs(area_of(&cut, &least) - 2) < 1e-12 && least > 0.1);
     assert_true(source[0] == 0 && source[2] == 0 && source[3] == 1 && source[6] == 2);
@@ -164,7 +164,7 @@ static void triangles_cover_polygons(void **state) {
         memcpy(mesh.position, arrow, sizeof arrow);
         for (pc_index k = 0; k < 4; k++)
             mesh.corner[k] = (k + turn) % 4;
-        assert_ok(ctx, pc_triangulate(&cut, NULL, ctx, &mesh));
+        assert_ok(ctx, pc_polysurface_make(&cut, NULL, ctx, &mesh));
         assert_true(fabs(area_of(&cut, &least) - 2) < 1e-12 && least > 0);
         pc_mesh_free(&cut, ctx);
         pc_polymesh_free(&mesh, ctx);

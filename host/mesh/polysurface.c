@@ -1,4 +1,4 @@
-#include "triangulate.h"
+#include "polysurface.h"
 #include "memory.h"
 #include "vec3.h"
 #include <string.h>
@@ -54,7 +54,7 @@ static void cut_ears(pc_index **out, const double *position, pc_index *ring, pc_
     cut_quad(out, position, ring, normal);
 }
 
-pc_status pc_triangulate(pc_mesh *out, pc_index **source, pc_context *ctx, const pc_polymesh *mesh) {
+pc_status pc_polysurface_make(pc_mesh *out, pc_index **source, pc_context *ctx, const pc_polymesh *mesh) {
     pc_status status = PC_OK;
     size_t count = 0;
     pc_index widest = 0, *ring = NULL;
