@@ -5,8 +5,9 @@
 #include "scan.h"
 
 static const char usage[] = "check SCAN [--json]";
-static const char about[] = "Tells what a scan is like, what repair would do to it, and whether it can be converted.\n"
-                            "Exit code 0: it can; 3: it cannot be read; 4: it is no surface that can be converted.";
+static const char about[] =
+    "Tells what a scan is like, what repair would do to it, and whether it can be converted.\n"
+    "Exit code 0: it can; 3: it cannot be read; 4: it is no surface that can be converted.";
 
 static void put_spread(pc_json *json, const char *key, const pc_spread *spread) {
     pc_json_flat_object(json, key);
@@ -36,7 +37,8 @@ static void put_components(pc_json *json, const pc_topology *topology) {
     pc_json_close(json);
 }
 
-static pc_status print_json(pc_context *ctx, const char *path, const pc_scan_info *info, const pc_inspection *in) {
+static pc_status print_json(pc_context *ctx, const char *path, const pc_scan_info *info,
+                            const pc_inspection *in) {
     pc_json json;
     pc_json_start(&json, ctx, false);
     pc_json_object(&json, NULL);
@@ -69,8 +71,8 @@ static pc_status print_json(pc_context *ctx, const char *path, const pc_scan_inf
 }
 
 static void print_spread(const char *title, const pc_spread *spread) {
-    (void)printf("%-14s min %.4g, 5 %% %.4g, median %.4g, mean %.4g, 95 %% %.4g, max %.4g\n", title, spread->min,
-                 spread->q05, spread->median, spread->mean, spread->q95, spread->max);
+    (void)printf("%-14s min %.4g, 5 %% %.4g, median %.4g, mean %.4g, 95 %% %.4g, max %.4g\n", title,
+                 spread->min, spread->q05, spread->median, spread->mean, spread->q95, spread->max);
 }
 
 static void print_components(const pc_topology *topology) {
@@ -79,8 +81,8 @@ static void print_components(const pc_topology *topology) {
     if (topology->component_count < 2) return;
     for (pc_index i = 0; i < topology->component_count && i < MOST; i++) {
         const pc_component *c = &topology->component[i];
-        (void)printf("    from face %-9u %9u triangles, genus %u, %u boundary loops, area %.4g\n", c->first_face,
-                     c->face_count, c->genus, c->loop_count, c->area);
+        (void)printf("    from face %-9u %9u triangles, genus %u, %u boundary loops, area %.4g\n",
+                     c->first_face, c->face_count, c->genus, c->loop_count, c->area);
     }
     if (topology->component_count > MOST) (void)printf("    ... --json lists all\n");
 }
@@ -95,21 +97,23 @@ static void print_text(const char *path, const pc_scan_info *info, const pc_insp
     (void)printf("\n");
     pc_facts_repair_line(line, sizeof line, &in->repair);
     (void)printf("%-14s %s\n", "repair", line[0] ? line : "nothing to do");
-    (void)printf("%-14s %u vertices, %u edges, %u triangles\n", "surface", in->mesh.vertex_count, in->edge_count,
-                 in->mesh.face_count);
+    (void)printf("%-14s %u vertices, %u edges, %u triangles\n", "surface", in->mesh.vertex_count,
+                 in->edge_count, in->mesh.face_count);
     print_components(&in->topology);
     (void)printf("%-14s chi %lld, genus %llu, %u boundary loops with %u edges\n", "topology",
                  (long long)in->topology.chi, (unsigned long long)in->topology.genus, in->topology.loop_count,
                  in->boundary_edge_count);
-    (void)printf("%-14s %.6g x %.6g x %.6g, diagonal %.6g, area %.6g\n", "size", in->box.high.x - in->box.low.x,
-                 in->box.high.y - in->box.low.y, in->box.high.z - in->box.low.z, in->diagonal, in->area);
+    (void)printf("%-14s %.6g x %.6g x %.6g, diagonal %.6g, area %.6g\n", "size",
+                 in->box.high.x - in->box.low.x, in->box.high.y - in->box.low.y,
+                 in->box.high.z - in->box.low.z, in->diagonal, in->area);
     print_spread("edge length", &in->edge_length);
     print_spread("angle", &in->angle);
     print_spread("least angle", &in->least_angle);
     (void)printf("%-14s %s\n", "convertible", in->convertible ? "yes" : "no");
 }
 
-static pc_status check_scan(pc_context *ctx, const char *path, const pc_repair_options *options, bool json_wanted) {
+static pc_status check_scan(pc_context *ctx, const char *path, const pc_repair_options *options,
+                            bool json_wanted) {
     pc_mesh raw = {0};
     pc_scan_info info;
     pc_inspection inspection = {0};
@@ -131,11 +135,11 @@ pc_status pc_command_check(pc_context *ctx, int argc, const char **argv) {
     bool json_wanted = false, strict = false;
     uint64_t min_component = 1;
     pc_option table[] = {
-        {"json", 0, PC_OPTION_FLAG, &json_wanted, NULL, "print JSON"},
-        {"strict", 0, PC_OPTION_FLAG, &strict, NULL, "as convert: refuse edges with more than two faces"},
-        {"min-component", 0, PC_OPTION_COUNT, &min_component, "N",
-         "as convert: leave out pieces of fewer than N triangles", NULL, 0, PC_NONE},
-        {.name = NULL},
+        PC_FLAG("json", 0, &json_wanted, "print JSON"),
+        PC_FLAG("strict", 0, &strict, "as convert: refuse edges with more than two faces"),
+        PC_COUNT("min-component", &min_component, "N", 0, PC_NONE,
+                 "as convert: leave out pieces of fewer than N triangles"),
+        PC_OPTIONS_END,
     };
     pc_operands operands;
     pc_status status = PC_OK;

@@ -10,7 +10,8 @@
 static const char usage[] = "convert SCAN -o OUT [OPTIONS]";
 static const char about[] =
     "Turns the triangle scan SCAN (.ply .obj .stl .off, each also .gz) into a quad control mesh.\n"
-    "OUT is a folder; it receives quads.obj, quads.ply, quads.hdf, scan.hdf, result.h5, report.json and pictures,\n"
+    "OUT is a folder; it receives quads.obj, quads.ply, quads.hdf, scan.hdf, result.h5, report.json and "
+    "pictures,\n"
     "and in OUT/stages one HDF5 file per finished stage. Without -o it is told what would be done.";
 
 /* What the options of the command line are read into. */
@@ -24,45 +25,44 @@ typedef struct convert_line {
 
 enum { QUADS, EDGE_LENGTH, EDGE_FACTOR }; /* places in the table */
 
-static pc_status read_line(convert_line *line, pc_operands *operands, pc_context *ctx, int argc, const char **argv) {
+static pc_status read_line(convert_line *line, pc_operands *operands, pc_context *ctx, int argc,
+                           const char **argv) {
     pc_convert_options *o = &line->options;
     pc_option table[] = {
-        [QUADS] = {"quads", 0, PC_OPTION_COUNT, &o->quads, "N",
-                   "how many quads are wanted, such as 20000, 20k or 1.5M; met within 5 %", NULL, 1, 1e9},
-        [EDGE_LENGTH] = {"edge-length", 0, PC_OPTION_NUMBER, &o->edge_length, "X",
-                         "edge length of the quads, in the units of the scan", NULL, 1e-300, INFINITY},
-        [EDGE_FACTOR] = {"edge-factor", 0, PC_OPTION_NUMBER, &o->edge_factor, "F",
-                         "edge length of the quads, in mean edge lengths of the scan (default 10)", NULL, 0.1, 1e6},
-        {"output", 'o', PC_OPTION_TEXT, &line->out, "OUT", "the folder for the results"},
-        {"ngons", 0, PC_OPTION_CHOICE, &line->ngons, "split|keep",
-         "cells that are not quads: split into quads (default), or kept whole", "split|keep"},
-        {"device", 0, PC_OPTION_TEXT, &o->device, "DEVICE",
-         "cpu, gpu, P:D, part of a name, or host (plain C); see 'percale devices'"},
-        {"curl-correction", 0, PC_OPTION_FLAG, &o->curl_correction, NULL,
-         "let the size of the quads vary, for fewer irregular vertices"},
-        {"to", 0, PC_OPTION_TEXT, &line->last, "STAGE",
-         "stop after scan, mesh, parts, curvature, field, curl, param, layout or quads"},
-        {"resume", 0, PC_OPTION_FLAG, &o->resume, NULL, "keep the finished stages of an earlier run in OUT"},
-        {"force", 0, PC_OPTION_FLAG, &o->force, NULL, "overwrite the results of an earlier run in OUT"},
-        {"strict", 0, PC_OPTION_FLAG, &o->strict, NULL, "refuse edges with more than two faces instead of cutting"},
-        {"min-component", 0, PC_OPTION_COUNT, &line->min_component, "N",
-         "leave out pieces of fewer than N triangles (default 1: none)", NULL, 0, PC_NONE},
-        {"smoothness", 0, PC_OPTION_NUMBER, &o->smoothness, "R",
-         "of the direction field: 0 follows the curvature, near 1 forgets it (default 0.8)", NULL, 0, 0.9999},
-        {"align-borders", 0, PC_OPTION_CHOICE, &line->borders, "off|auto|all",
-         "run the field along borders: where they are smooth (auto, default), everywhere, or nowhere",
-         "off|auto|all"},
-        {"parts", 0, PC_OPTION_COUNT, &line->parts, "K", "pieces to cut the work into (default 1); changes no result",
-         NULL, 1, 1e6},
-        {"threads", 0, PC_OPTION_COUNT, &line->threads, "T", "CPU threads (default: all); changes no result", NULL, 1,
-         4096},
-        {"seed", 0, PC_OPTION_COUNT, &o->seed, "S", "of the start of the solver (default 1)", NULL, 0, 0x1p53},
-        {"compress", 0, PC_OPTION_FLAG, &o->compress, NULL, "compress the HDF5 files"},
-        {"json", 0, PC_OPTION_FLAG, &line->json, NULL, "print the report, or the plan, as JSON on standard output"},
-        {"quiet", 'q', PC_OPTION_FLAG, &line->quiet, NULL, "print errors only"},
-        {"verbose", 'v', PC_OPTION_FLAG, &line->verbose, NULL, "print more"},
-        {"no-pictures", 0, PC_OPTION_FLAG, &line->no_pictures, NULL, "draw no previews"},
-        {.name = NULL},
+        [QUADS] = PC_COUNT("quads", &o->quads, "N", 1, 1e9,
+                           "how many quads are wanted, such as 20000, 20k or 1.5M; met within 5 %"),
+        [EDGE_LENGTH] = PC_NUMBER("edge-length", &o->edge_length, "X", 1e-300, INFINITY,
+                                  "edge length of the quads, in the units of the scan"),
+        [EDGE_FACTOR] = PC_NUMBER("edge-factor", &o->edge_factor, "F", 0.1, 1e6,
+                                  "edge length of the quads, in mean edge lengths of the scan (default 10)"),
+        PC_TEXT("output", 'o', &line->out, "OUT", "the folder for the results"),
+        PC_CHOICE("ngons", &line->ngons, "split|keep",
+                  "cells that are not quads: split into quads (default), or kept whole"),
+        PC_TEXT("device", 0, &o->device, "DEVICE",
+                "cpu, gpu, P:D, part of a name, or host (plain C); see 'percale devices'"),
+        PC_FLAG("curl-correction", 0, &o->curl_correction,
+                "let the size of the quads vary, for fewer irregular vertices"),
+        PC_TEXT("to", 0, &line->last, "STAGE",
+                "stop after scan, mesh, parts, curvature, field, curl, param, layout or quads"),
+        PC_FLAG("resume", 0, &o->resume, "keep the finished stages of an earlier run in OUT"),
+        PC_FLAG("force", 0, &o->force, "overwrite the results of an earlier run in OUT"),
+        PC_FLAG("strict", 0, &o->strict, "refuse edges with more than two faces instead of cutting them"),
+        PC_COUNT("min-component", &line->min_component, "N", 0, PC_NONE,
+                 "leave out pieces of fewer than N triangles (default 1: none)"),
+        PC_NUMBER("smoothness", &o->smoothness, "R", 0, 0.9999,
+                  "of the direction field: 0 follows the curvature, near 1 forgets it (default 0.8)"),
+        PC_CHOICE("align-borders", &line->borders, "off|auto|all",
+                  "run the field along borders: nowhere, where they are smooth (default), everywhere"),
+        PC_COUNT("parts", &line->parts, "K", 1, 1e6,
+                 "pieces to cut the mesh into (default 1); changes no result"),
+        PC_COUNT("threads", &line->threads, "T", 1, 4096, "CPU threads (default: all); changes no result"),
+        PC_COUNT("seed", &o->seed, "S", 0, 0x1p53, "of the start of the solver (default 1)"),
+        PC_FLAG("compress", 0, &o->compress, "compress the HDF5 files"),
+        PC_FLAG("json", 0, &line->json, "print the report, or the plan, as JSON on standard output"),
+        PC_FLAG("quiet", 'q', &line->quiet, "print errors only"),
+        PC_FLAG("verbose", 'v', &line->verbose, "print more"),
+        PC_FLAG("no-pictures", 0, &line->no_pictures, "draw no previews"),
+        PC_OPTIONS_END,
     };
     pc_status status = pc_options_read(operands, ctx, table, argc, argv);
     if (status == PC_OK && operands->help_asked) pc_command_help(usage, about, table);
@@ -122,7 +122,8 @@ static void print_plan(const pc_convert_plan *plan, const char *scan, bool json_
         return;
     }
     (void)printf("%s: %llu triangles, %llu vertices, mean edge %.4g, area %.4g\n", scan,
-                 (unsigned long long)plan->faces, (unsigned long long)plan->vertices, plan->mean_edge, plan->area);
+                 (unsigned long long)plan->faces, (unsigned long long)plan->vertices, plan->mean_edge,
+                 plan->area);
     (void)printf("would become about %.0f quads of edge length %.4g\n", plan->quads, plan->edge_length);
     (void)printf("and take about %.0f MB of memory and %.0f MB on disk\n", 1e-6 * plan->memory_bytes,
                  1e-6 * plan->disk_bytes);
@@ -153,7 +154,8 @@ static pc_status convert(convert_line *line, pc_context *ctx, const char *scan) 
     pc_progress_stop(&view, ctx);
     if (report && line->json) (void)fputs(report, stdout);
     if (status == PC_E_INTERRUPT && !line->quiet)
-        (void)fprintf(stderr, "percale: finished stages are kept in %s; the same command with --resume goes on\n",
+        (void)fprintf(stderr,
+                      "percale: finished stages are kept in %s; the same command with --resume goes on\n",
                       line->out);
     pc_free(ctx, report);
     return status;

@@ -30,10 +30,14 @@ static void print_json(pc_json *json, const pc_device_info *info, size_t count) 
 
 static void print_table(const pc_device_info *info, size_t count) {
     for (size_t i = 0; i < count; i++, info++)
-        (void)printf("%d:%d   %-3s  %s\n           %s, %s, driver %s\n           %u units, %.1f GB, buffers up to %.1f "
+        (void)printf("%d:%d   %-3s  %s\n           %s, %s, driver %s\n           %u units, %.1f GB, buffers "
+                     "up to %.1f "
                      "GB, %s\n",
-                     info->platform, info->device, info->gpu ? "gpu" : info->cpu ? "cpu" : "-", info->name,
-                     info->platform_name, info->version, info->driver, info->units,
+                     info->platform, info->device,
+                     info->gpu   ? "gpu"
+                     : info->cpu ? "cpu"
+                                 : "-",
+                     info->name, info->platform_name, info->version, info->driver, info->units,
                      1e-9 * (double)info->memory_bytes, 1e-9 * (double)info->allocation_cap,
                      info->doubles ? "double precision" : "no double precision");
     if (count == 0) (void)printf("no OpenCL device; pocl-opencl-icd is one for any CPU\n");
@@ -42,7 +46,7 @@ static void print_table(const pc_device_info *info, size_t count) {
 
 pc_status pc_command_devices(pc_context *ctx, int argc, const char **argv) {
     bool json_wanted = false;
-    pc_option table[] = {{"json", 0, PC_OPTION_FLAG, &json_wanted, NULL, "print JSON"}, {.name = NULL}};
+    pc_option table[] = {PC_FLAG("json", 0, &json_wanted, "print JSON"), PC_OPTIONS_END};
     pc_operands operands;
     pc_device_info *infos = NULL;
     size_t count = 0;

@@ -5,11 +5,13 @@
 #include <string.h>
 
 static const char usage[] = "info FILE.h5 [--json]";
-static const char about[] = "Tells what an HDF5 file of Percale holds: where it comes from, its arrays, their sizes and "
-                            "units.";
+static const char about[] =
+    "Tells what an HDF5 file of Percale holds: where it comes from, its arrays, their sizes and "
+    "units.";
 
 /* Root attributes of stage files and results; those that are missing are passed over. */
-static const char *const texts[] = {"program", "stage", "input", "input_sha256", "device", "options", "note", "key"};
+static const char *const texts[] = {"program", "stage",   "input", "input_sha256",
+                                    "device",  "options", "note",  "key"};
 enum { TEXT_COUNT = sizeof texts / sizeof *texts };
 
 typedef struct listing {
@@ -61,7 +63,8 @@ static pc_status put_entry(void *user, const pc_store_entry *entry) {
         size_t length = strlen(shape);
         (void)snprintf(shape + length, sizeof shape - length, "%s%zu", k ? " x " : "", entry->dims[k]);
     }
-    (void)printf("%-28s %-8s %-14s %-8s %s\n", entry->name, entry->type, shape, entry->units, entry->description);
+    (void)printf("%-28s %-8s %-14s %-8s %s\n", entry->name, entry->type, shape, entry->units,
+                 entry->description);
     return PC_OK;
 }
 
@@ -92,7 +95,7 @@ done:
 
 pc_status pc_command_info(pc_context *ctx, int argc, const char **argv) {
     listing list = {.as_json = false};
-    pc_option table[] = {{"json", 0, PC_OPTION_FLAG, &list.as_json, NULL, "print JSON"}, {.name = NULL}};
+    pc_option table[] = {PC_FLAG("json", 0, &list.as_json, "print JSON"), PC_OPTIONS_END};
     pc_operands operands;
     pc_status status = PC_OK;
     pc_json_start(&list.json, ctx, false);

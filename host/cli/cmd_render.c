@@ -7,8 +7,9 @@
 #include <sys/stat.h>
 
 static const char usage[] = "render OUT|FILE -o PICTURE.png [OPTIONS]";
-static const char about[] = "Draws what `percale convert` left in the folder OUT, or in a result or stage file, or a "
-                            "scan as it is.";
+static const char about[] =
+    "Draws what `percale convert` left in the folder OUT, or in a result or stage file, or a "
+    "scan as it is.";
 
 pc_status pc_command_render(pc_context *ctx, int argc, const char **argv) {
     const char *out = NULL, *view = "pair";
@@ -16,16 +17,15 @@ pc_status pc_command_render(pc_context *ctx, int argc, const char **argv) {
     bool force = false;
     uint32_t size[2] = {1600, 1200};
     pc_option table[] = {
-        {"output", 'o', PC_OPTION_TEXT, &out, "PICTURE", "the PNG file to write"},
-        {"what", 0, PC_OPTION_CHOICE, &what, "WHAT",
-         "scan, curvature, field, isolines, layout or quads (default: the last that is there)",
-         "scan|curvature|field|isolines|layout|quads"},
-        {"view", 0, PC_OPTION_TEXT, &view, "VIEW",
-         "pair (default), iso, back-iso, front, back, left, right, top or bottom"},
-        {"up", 0, PC_OPTION_CHOICE, &up, "AXIS", "which axis points up: auto (default), x, y or z", "auto|x|y|z"},
-        {"size", 0, PC_OPTION_SIZE, size, "WxH", "in pixels (default 1600x1200)"},
-        {"force", 0, PC_OPTION_FLAG, &force, NULL, "overwrite the picture"},
-        {.name = NULL},
+        PC_TEXT("output", 'o', &out, "PICTURE", "the PNG file to write"),
+        PC_CHOICE("what", &what, "scan|curvature|field|isolines|layout|quads",
+                  "scan, curvature, field, isolines, layout or quads (default: the last that is there)"),
+        PC_TEXT("view", 0, &view, "VIEW",
+                "pair (default), iso, back-iso, front, back, left, right, top or bottom"),
+        PC_CHOICE("up", &up, "auto|x|y|z", "which axis points up: auto (default), x, y or z"),
+        PC_SIZE("size", size, "in pixels (default 1600x1200)"),
+        PC_FLAG("force", 0, &force, "overwrite the picture"),
+        PC_OPTIONS_END,
     };
     pc_operands operands;
     pc_picture_options options = PC_PICTURE_DEFAULTS;
@@ -48,7 +48,7 @@ pc_status pc_command_render(pc_context *ctx, int argc, const char **argv) {
         status = pc_fail(ctx, PC_E_USAGE, "%s: exists; --force overwrites it", out);
         goto done;
     }
-    status = pc_render(ctx, operands.text[0], out, what, &options);
+    status = pc_render(ctx, operands.text[0], out, what, &options, force);
 done:
     return status;
 }

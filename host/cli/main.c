@@ -85,7 +85,8 @@ static pc_status dispatch(pc_context *ctx, int argc, const char **argv) {
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) return run_help(ctx, 1, argv);
     if (strcmp(name, "help") == 0) return run_help(ctx, argc - 1, argv + 1);
     if (name[0] == '-')
-        return pc_fail(ctx, PC_E_USAGE, "the command comes first: percale COMMAND %s ...; see 'percale help'", name);
+        return pc_fail(ctx, PC_E_USAGE, "the command comes first: percale COMMAND %s ...; see 'percale help'",
+                       name);
     const command *found = find_command(name);
     return found ? found->run(ctx, argc - 1, argv + 1) : fail_command(ctx, name);
 }
@@ -97,8 +98,10 @@ void pc_command_help(const char *usage, const char *text, const pc_option *table
 
 pc_status pc_command_operands(pc_context *ctx, const pc_operands *operands, int count, const char *usage) {
     if (operands->count == count) return PC_OK;
-    if (operands->count < count) return pc_fail(ctx, PC_E_USAGE, "a file is missing; usage: percale %s", usage);
-    return pc_fail(ctx, PC_E_USAGE, "'%s' is one operand too many; usage: percale %s", operands->text[count], usage);
+    if (operands->count < count)
+        return pc_fail(ctx, PC_E_USAGE, "a file is missing; usage: percale %s", usage);
+    return pc_fail(ctx, PC_E_USAGE, "'%s' is one operand too many; usage: percale %s", operands->text[count],
+                   usage);
 }
 
 int main(int argc, char **argv) {

@@ -20,7 +20,8 @@ static int edit_distance(const char *a, const char *b) {
             int best = table[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
             if (table[i - 1][j] + 1 < best) best = table[i - 1][j] + 1;
             if (table[i][j - 1] + 1 < best) best = table[i][j - 1] + 1;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] && table[i - 2][j - 2] + 1 < best)
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
+                table[i - 2][j - 2] + 1 < best)
                 best = table[i - 2][j - 2] + 1;
             table[i][j] = best;
         }
@@ -42,7 +43,8 @@ const char *pc_nearest_word(const char *typed, const char *const *words) {
     return nearest;
 }
 
-static pc_status fail_unknown(pc_context *ctx, const pc_option *table, const char *typed, const char *command) {
+static pc_status fail_unknown(pc_context *ctx, const pc_option *table, const char *typed,
+                              const char *command) {
     const char *words[MOST_OPTIONS + 1];
     char name[64] = "";
     int count = 0;
@@ -53,8 +55,7 @@ static pc_status fail_unknown(pc_context *ctx, const pc_option *table, const cha
     words[count] = NULL;
     const char *dashless = name + strspn(name, "-");
     const char *nearest = pc_nearest_word(dashless, words);
-    if (nearest)
-        return pc_fail(ctx, PC_E_USAGE, "unknown option %s; did you mean --%s?", name, nearest);
+    if (nearest) return pc_fail(ctx, PC_E_USAGE, "unknown option %s; did you mean --%s?", name, nearest);
     return pc_fail(ctx, PC_E_USAGE, "unknown option %s; 'percale help %s' lists them all", name, command);
 }
 
@@ -130,15 +131,21 @@ static pc_status read_size(pc_context *ctx, const pc_option *option, const char 
 static pc_status read_value(pc_context *ctx, pc_option *option, const char *text) {
     option->given = true;
     switch (option->kind) {
-    case PC_OPTION_FLAG: *(bool *)option->value = true; return PC_OK;
+    case PC_OPTION_FLAG:
+        *(bool *)option->value = true;
+        return PC_OK;
     case PC_OPTION_TEXT:
         if (!*text) return fail_value(ctx, option, text, "a text");
         *(const char **)option->value = text;
         return PC_OK;
-    case PC_OPTION_COUNT: return read_count(ctx, option, text);
-    case PC_OPTION_NUMBER: return read_number(ctx, option, text);
-    case PC_OPTION_CHOICE: return read_choice(ctx, option, text);
-    case PC_OPTION_SIZE: return read_size(ctx, option, text);
+    case PC_OPTION_COUNT:
+        return read_count(ctx, option, text);
+    case PC_OPTION_NUMBER:
+        return read_number(ctx, option, text);
+    case PC_OPTION_CHOICE:
+        return read_choice(ctx, option, text);
+    case PC_OPTION_SIZE:
+        return read_size(ctx, option, text);
     }
     return PC_E_BUG;
 }
@@ -161,7 +168,8 @@ static pc_option *find_option(pc_option *table, const char *argument, const char
     return NULL;
 }
 
-pc_status pc_options_read(pc_operands *operands, pc_context *ctx, pc_option *table, int argc, const char **argv) {
+pc_status pc_options_read(pc_operands *operands, pc_context *ctx, pc_option *table, int argc,
+                          const char **argv) {
     bool only_operands = false;
     *operands = (pc_operands){.text = argv};
     const char *command = argv[0];
@@ -219,8 +227,10 @@ void pc_options_print(FILE *out, const pc_option *table) {
         if (option->letter) (void)snprintf(letter, sizeof letter, "-%c, ", option->letter);
         (void)snprintf(left, sizeof left, "  %s--%s%s%s", letter, option->name, option->argument ? " " : "",
                        option->argument ? option->argument : "");
-        (void)fprintf(out, "%-29s ", left);
-        if (strlen(left) > 29) (void)fprintf(out, "\n%30s", "");
+        if (strlen(left) > 29)
+            (void)fprintf(out, "%s\n%30s", left, "");
+        else
+            (void)fprintf(out, "%-30s", left);
         print_wrapped(out, option->help);
     }
     (void)fprintf(out, "  -h, --help                  print this help\n");

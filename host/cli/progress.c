@@ -18,8 +18,8 @@ static void draw_bar(pc_progress_view *view, double fraction) {
         bar[i] = i < (int)(fraction * BAR_WIDTH) ? '#' : '.';
     bar[BAR_WIDTH] = '\0';
     view->drawn = pc_clock_wall();
-    (void)fprintf(stderr, "\r\033[K[%d/%d] %-10s %s %3d %% %7.1f s", view->stage, view->stage_count, view->title,
-                  bar, (int)(100 * fraction), view->drawn - view->started);
+    (void)fprintf(stderr, "\r\033[K[%d/%d] %-10s %s %3d %% %7.1f s", view->stage, view->stage_count,
+                  view->title, bar, (int)(100 * fraction), view->drawn - view->started);
     (void)fflush(stderr);
 }
 
@@ -55,8 +55,9 @@ void pc_progress_stage(void *user, const pc_stage_event *event) {
     }
     clear_line(view);
     view->stage = 0;
-    (void)fprintf(stderr, "[%d/%d] %-10s %8.2f s %7.0f MB  %s%s%s\n", event->number, event->count, event->name,
-                  event->seconds, 1e-6 * (double)event->peak_bytes, event->state == PC_STAGE_LOADED ? "kept" : "",
+    (void)fprintf(stderr, "[%d/%d] %-10s %8.2f s %7.0f MB  %s%s%s\n", event->number, event->count,
+                  event->name, event->seconds, 1e-6 * (double)event->peak_bytes,
+                  event->state == PC_STAGE_LOADED ? "kept" : "",
                   event->state == PC_STAGE_LOADED && event->note[0] ? ", " : "", event->note);
 }
 

@@ -77,7 +77,8 @@ static pc_status write_result(pc_run *run, const pc_findings *findings) {
     PC_TRY(pc_store_set_text(store, "/", "input_sha256", run->input_sha256));
     PC_TRY(pc_store_set_text(store, "/", "device", pc_device_name(run->device)));
     for (int id = 0; id < PC_STAGE_EXPORT; id++)
-        if (id != PC_STAGE_PARTS && finished(run, (pc_stage_id)id)) PC_TRY(gather(store, run, (pc_stage_id)id));
+        if (id != PC_STAGE_PARTS && finished(run, (pc_stage_id)id))
+            PC_TRY(gather(store, run, (pc_stage_id)id));
     PC_TRY(put_json(store, run, "statistics", findings));
     if (findings->has_quality) PC_TRY(put_json(store, run, "certificate", findings));
     PC_TRY(pc_store_commit(&store));
@@ -128,8 +129,8 @@ static pc_status write_scan(pc_run *run) {
     if (has_param) PC_TRY(pc_stage_hold(run, PC_STAGE_PARAM));
     if (has_param) PC_TRY(pc_renumber_param(&param, run->ctx, &p->param, &to_user));
     PC_TRY(pc_folder_join(&path, run->ctx, run->out, "scan.hdf", ""));
-    PC_TRY(pc_vtkhdf_write_scan(run->ctx, path, &mesh, has_curvature ? &curvature : NULL, has_field ? &field : NULL,
-                                has_param ? &param : NULL, &options));
+    PC_TRY(pc_vtkhdf_write_scan(run->ctx, path, &mesh, has_curvature ? &curvature : NULL,
+                                has_field ? &field : NULL, has_param ? &param : NULL, &options));
 done:
     pc_free(run->ctx, path);
     pc_param_free(&param, run->ctx);
@@ -181,10 +182,11 @@ static pc_status fail_certificate(pc_context *ctx, const pc_certificate *certifi
         const pc_check *check = &certificate->check[i];
         size_t used = strlen(names);
         if (!check->passed)
-            (void)snprintf(names + used, sizeof names - used, "%s%s (%s: %.6g, expected %.6g)", used ? ", " : "",
-                           check->name, check->note, check->value, check->expected);
+            (void)snprintf(names + used, sizeof names - used, "%s%s (%s: %.6g, expected %.6g)",
+                           used ? ", " : "", check->name, check->note, check->value, check->expected);
     }
-    return pc_fail(ctx, PC_E_NOCONV, "the result misses what it should keep: %s; all outputs are written", names);
+    return pc_fail(ctx, PC_E_NOCONV, "the result misses what it should keep: %s; all outputs are written",
+                   names);
 }
 
 pc_status pc_export(char **report, pc_run *run) {

@@ -10,11 +10,12 @@
 
 /* Everything that an export writes. */
 static const char *const results[] = {
-    PC_OUT_RESULT, PC_OUT_REPORT, "quads.obj",      "quads.ply",    "quads.hdf", "scan.hdf",
+    PC_OUT_RESULT, PC_OUT_REPORT, "quads.obj",     "quads.ply",    "quads.hdf", "scan.hdf",
     "scan.png",    "field.png",   "curvature.png", "isolines.png", "quads.png", "layout.png",
 };
 
-pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name, const char *ending) {
+pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,
+                         const char *ending) {
     size_t size = strlen(folder) + strlen(name) + strlen(ending) + 2;
     *path = NULL;
     pc_status status = pc_new(path, ctx, size);
@@ -85,12 +86,13 @@ pc_status pc_folder_prepare(pc_context *ctx, const char *folder, bool resume, bo
     pc_status status = PC_OK;
     PC_TRY(count_entries(&count, &has_stages, ctx, folder));
     if (count > 0 && !force && !(resume && has_stages)) {
-        status = pc_fail(ctx, PC_E_USAGE,
-                         resume ? "%s: is not empty and holds no earlier run to resume; choose another folder, or "
-                                  "--force to overwrite"
-                                : "%s: exists and is not empty; --resume continues an earlier run there, --force "
-                                  "overwrites its results",
-                         folder);
+        status =
+            pc_fail(ctx, PC_E_USAGE,
+                    resume ? "%s: is not empty and holds no earlier run to resume; choose another folder, or "
+                             "--force to overwrite"
+                           : "%s: exists and is not empty; --resume continues an earlier run there, --force "
+                             "overwrites its results",
+                    folder);
         goto done;
     }
     PC_TRY(make_with_parents(ctx, folder));

@@ -2,8 +2,8 @@
 #include "geometry.h"
 #include <math.h>
 
-/* Measured on the scans of the tests (docs/pipeline.md): peak memory per triangle, and per cell of the layout; files
- * per triangle and per quad. */
+/* Measured on the scans of the tests (docs/pipeline.md): peak memory per triangle, and per cell of the
+ * layout; files per triangle and per quad. */
 static const double memory_per_triangle = 900, memory_per_quad = 1200;
 static const double disk_per_triangle = 700, disk_per_quad = 900;
 

@@ -19,9 +19,10 @@ typedef enum pc_preview_kind {
 const char *pc_preview_name(pc_preview_kind kind);
 /* The stage whose product it shows, on the mesh. */
 pc_stage_id pc_preview_stage(pc_preview_kind kind);
-/* Draws what is held. `legend` of the options is set here. */
+/* Draws what is held. `legend` of the options is set here. PC_E_IO where `path` is there and `force` is not
+ * set. */
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options);
+                          const pc_picture_options *options, bool force);
 /* Into out/<name>.png, in the default size. */
 pc_status pc_preview_write(pc_run *run, pc_preview_kind kind);
 

@@ -73,6 +73,7 @@ void pc_facts_repair_line(char *line, size_t size, const pc_repair_report *repor
         const pc_defect *defect = defect_of(report, &defects[i]);
         size_t used = strlen(line);
         if (defect->count && used + 1 < size)
-            (void)snprintf(line + used, size - used, "%s%u %s", used ? ", " : "", defect->count, defects[i].words);
+            (void)snprintf(line + used, size - used, "%s%u %s", used ? ", " : "", defect->count,
+                           defects[i].words);
     }
 }

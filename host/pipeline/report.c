@@ -56,13 +56,13 @@ static void put_quality(pc_json *json, const pc_quality *q) {
     pc_json_integer(json, "t_junctions", q->t_junctions);
     pc_json_integer(json, "irregular_interior_vertices", q->irregular_interior);
     pc_json_integer(json, "irregular_boundary_vertices", q->irregular_boundary);
-    put_spread(json, "edge_length", &q->edge_length);
-    pc_json_number(json, "edge_length_relative_deviation", q->edge_deviation);
-    put_spread(json, "angle_from_right_degrees", &q->angle);
-    put_spread(json, "aspect", &q->aspect);
-    put_spread(json, "scaled_jacobian", &q->scaled_jacobian);
-    pc_json_integer(json, "folded_cells", q->folded_cells);
-    put_spread(json, "warp_degrees", &q->warp);
+    put_spread(json, "edge_length", &q->shape.edge_length);
+    pc_json_number(json, "edge_length_relative_deviation", q->shape.edge_deviation);
+    put_spread(json, "angle_from_right_degrees", &q->shape.angle);
+    put_spread(json, "aspect", &q->shape.aspect);
+    put_spread(json, "scaled_jacobian", &q->shape.scaled_jacobian);
+    pc_json_integer(json, "folded_cells", q->shape.folded_cells);
+    put_spread(json, "warp_degrees", &q->shape.warp);
     put_spread(json, "angle_to_field_degrees", &q->field_angle);
     pc_json_number(json, "diagonal", q->diagonal);
     put_deviation(json, "distance_scan_to_quads", &q->scan_to_quads, q->diagonal);
@@ -167,7 +167,8 @@ static void put_kernels(pc_json *json, const pc_run *run) {
         pc_json_integer(json, "launches", (int64_t)stats->count);
         pc_json_number(json, "seconds", stats->seconds);
         pc_json_number(json, "bytes", stats->bytes);
-        pc_json_number(json, "gigabytes_per_second", stats->seconds > 0 ? 1e-9 * stats->bytes / stats->seconds : 0);
+        pc_json_number(json, "gigabytes_per_second",
+                       stats->seconds > 0 ? 1e-9 * stats->bytes / stats->seconds : 0);
         pc_json_close(json);
     }
     pc_json_close(json);

@@ -17,12 +17,14 @@ static bool is_hdf5(const char *path) {
     static const char signature[8] = "\x89HDF\r\n\x1a\n";
     char start[sizeof signature];
     FILE *file = fopen(path, "rb");
-    bool same = file && fread(start, sizeof start, 1, file) == 1 && memcmp(start, signature, sizeof start) == 0;
+    bool same =
+        file && fread(start, sizeof start, 1, file) == 1 && memcmp(start, signature, sizeof start) == 0;
     if (file) (void)fclose(file);
     return same;
 }
 
-/* Where a product may be: `path` itself where it is a file, else the result or the stage's file in the folder. */
+/* Where a product may be: `path` itself where it is a file, else the result or the stage's file in the
+ * folder. */
 static pc_status open_for(pc_store **store, pc_context *ctx, const char *path, const char *stage) {
     char *file = NULL, *folder = NULL;
     pc_status status = PC_OK;
@@ -72,19 +74,26 @@ done:
 
 static pc_status load_product(pc_held *held, pc_store *store, pc_preview_kind kind) {
     switch (kind) {
-    case PC_PREVIEW_CURVATURE: return pc_curvature_load(&held->curvature, store, "curvature");
-    case PC_PREVIEW_FIELD: return pc_field_load(&held->field, store, "field");
-    case PC_PREVIEW_ISOLINES: return pc_param_load(&held->param, store, "param");
-    case PC_PREVIEW_LAYOUT: return pc_layout_load(&held->layout, store, "layout");
-    case PC_PREVIEW_QUADS: return pc_polymesh_load(&held->quads, store, "quads");
+    case PC_PREVIEW_CURVATURE:
+        return pc_curvature_load(&held->curvature, store, "curvature");
+    case PC_PREVIEW_FIELD:
+        return pc_field_load(&held->field, store, "field");
+    case PC_PREVIEW_ISOLINES:
+        return pc_param_load(&held->param, store, "param");
+    case PC_PREVIEW_LAYOUT:
+        return pc_layout_load(&held->layout, store, "layout");
+    case PC_PREVIEW_QUADS:
+        return pc_polymesh_load(&held->quads, store, "quads");
     case PC_PREVIEW_SCAN:
-    case PC_PREVIEW_COUNT: break;
+    case PC_PREVIEW_COUNT:
+        break;
     }
     return PC_OK;
 }
 
 /* Loads what picture `kind` shows; `found` says whether it is there. */
-static pc_status try_product(bool *found, pc_held *held, pc_context *ctx, const char *path, pc_preview_kind kind) {
+static pc_status try_product(bool *found, pc_held *held, pc_context *ctx, const char *path,
+                             pc_preview_kind kind) {
     pc_store *store;
     const char *stage = pc_stage_title(pc_preview_stage(kind));
     pc_status status = open_for(&store, ctx, path, stage);
@@ -120,14 +129,14 @@ static pc_status load_scan(pc_held *held, int *what, pc_context *ctx, const char
 }
 
 pc_status pc_render(pc_context *ctx, const char *from, const char *picture, int what,
-                    const pc_picture_options *options) {
+                    const pc_picture_options *options, bool force) {
     pc_held held = {0};
     pc_status status = PC_OK;
     if (is_folder(from) || is_hdf5(from))
         PC_TRY(load_result(&held, &what, ctx, from));
     else
         PC_TRY(load_scan(&held, &what, ctx, from));
-    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options));
+    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options, force));
 done:
     pc_mesh_free(&held.mesh.mesh, ctx);
     pc_curvature_free(&held.curvature, ctx);

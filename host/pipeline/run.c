@@ -39,7 +39,8 @@ done:
 /* True where a stage after `finished` will be made and reads the product of `stage`. */
 static bool needed_after(const pc_run *run, pc_stage_id finished, pc_stage_id stage) {
     for (int id = (int)finished + 1; id < PC_STAGE_EXPORT; id++)
-        if (!run->kept[id] && run->record[id].state != PC_STAGE_SKIPPED && pc_stages[id]->needs & PC_NEEDS(stage))
+        if (!run->kept[id] && run->record[id].state != PC_STAGE_SKIPPED &&
+            pc_stages[id]->needs & PC_NEEDS(stage))
             return true;
     return false;
 }
@@ -51,8 +52,13 @@ static void drop_unneeded(pc_run *run, pc_stage_id finished) {
 
 static void tell(const pc_run *run, pc_stage_id stage, bool finished) {
     const pc_stage_record *record = &run->record[stage];
-    pc_stage_event event = {.stage = stage, .name = pc_stage_title(stage), .finished = finished, .state = record->state,
-                            .seconds = record->wall_seconds, .peak_bytes = record->resident_peak, .note = record->note};
+    pc_stage_event event = {.stage = stage,
+                            .name = pc_stage_title(stage),
+                            .finished = finished,
+                            .state = record->state,
+                            .seconds = record->wall_seconds,
+                            .peak_bytes = record->resident_peak,
+                            .note = record->note};
     if (!run->options->on_stage) return;
     for (int id = 0; id < PC_STAGE_COUNT; id++) {
         if (run->record[id].state == PC_STAGE_SKIPPED) continue;

@@ -39,45 +39,47 @@ typedef struct pc_stage_event {
 typedef void pc_stage_sink(void *user, const pc_stage_event *event);
 
 typedef struct pc_convert_options {
-    uint64_t quads;      /* how many are wanted; 0: by length */
-    double edge_length;  /* of the quads, model units; 0: by factor */
-    double edge_factor;  /* times the mean edge of the scan */
-    int keep_ngons;      /* 1: cells that are not quads stay whole; 0: they are split into quads */
-    const char *device;  /* NULL: the default */
+    uint64_t quads;     /* how many are wanted; 0: by length */
+    double edge_length; /* of the quads, model units; 0: by factor */
+    double edge_factor; /* times the mean edge of the scan */
+    int keep_ngons;     /* 1: cells that are not quads stay whole; 0: they are split into quads */
+    const char *device; /* NULL: the default */
     bool curl_correction;
-    pc_stage_id last;    /* stages after it are left out, export excepted */
-    bool resume;         /* takes finished stages whose key fits */
-    bool force;          /* overwrites the outputs of an earlier run */
-    bool strict;         /* refuses what repair would have to cut */
+    pc_stage_id last;       /* stages after it are left out, export excepted */
+    bool resume;            /* takes finished stages whose key fits */
+    bool force;             /* overwrites the outputs of an earlier run */
+    bool strict;            /* refuses what repair would have to cut */
     pc_index min_component; /* components of fewer faces are dropped */
-    double smoothness;   /* rho of the field, 0..1; below 0: the field's default */
-    int align_borders;   /* pc_align_borders */
-    pc_index parts;      /* 0: by memory */
+    double smoothness;      /* rho of the field, 0..1; below 0: the field's default */
+    int align_borders;      /* pc_align_borders */
+    pc_index parts;         /* 0: by memory */
     uint64_t seed;
-    bool compress;       /* the HDF5 files */
+    bool compress; /* the HDF5 files */
     bool pictures;
     pc_stage_id stop_after; /* tests: be interrupted when this stage is finished; PC_STAGE_COUNT: never */
     pc_stage_sink *on_stage;
     void *user;
 } pc_convert_options;
 #define PC_CONVERT_DEFAULTS                                                                                  \
-    {.edge_factor = 10, .smoothness = -1, .last = PC_STAGE_EXPORT, .min_component = 1, .seed = 1,            \
-     .pictures = true, .stop_after = PC_STAGE_COUNT}
+    {                                                                                                        \
+        .edge_factor = 10, .smoothness = -1, .last = PC_STAGE_EXPORT, .min_component = 1, .seed = 1,         \
+        .pictures = true, .stop_after = PC_STAGE_COUNT                                                       \
+    }
 
-/* Converts the scan at `scan` into the folder `out`, which is made; what is there already is refused unless `resume`
- * or `force` is set (PC_E_USAGE). `*report` receives the text of report.json, freed with pc_free; it is NULL on errors
- * before the export. PC_E_NOCONV where a named check of the certificate failed: all outputs are written then.
- * PC_E_INTERRUPT where the user stopped it: finished stages stay in out/stages. */
+/* Converts the scan at `scan` into the folder `out`, which is made; what is there already is refused unless
+ * `resume` or `force` is set (PC_E_USAGE). `*report` receives the text of report.json, freed with pc_free; it
+ * is NULL on errors before the export. PC_E_NOCONV where a named check of the certificate failed: all outputs
+ * are written then. PC_E_INTERRUPT where the user stopped it: finished stages stay in out/stages. */
 pc_status pc_convert(char **report, pc_context *ctx, const char *scan, const char *out,
                      const pc_convert_options *options);
 
 typedef struct pc_convert_plan {
-    uint64_t vertices, faces;    /* of the scan, repaired */
+    uint64_t vertices, faces; /* of the scan, repaired */
     double mean_edge, area;
-    double edge_length;          /* of the quads to come */
-    double quads;                /* their estimated number */
-    double memory_bytes;         /* estimated peak */
-    double disk_bytes;           /* estimated size of the outputs */
+    double edge_length;  /* of the quads to come */
+    double quads;        /* their estimated number */
+    double memory_bytes; /* estimated peak */
+    double disk_bytes;   /* estimated size of the outputs */
 } pc_convert_plan;
 
 /* What pc_convert would do. Reads and repairs the scan, writes nothing. */

@@ -9,10 +9,10 @@
 #include <unistd.h>
 
 const pc_stage *const pc_stages[PC_STAGE_EXPORT] = {
-    [PC_STAGE_SCAN] = &pc_stage_scan,           [PC_STAGE_MESH] = &pc_stage_mesh,
-    [PC_STAGE_PARTS] = &pc_stage_parts,         [PC_STAGE_CURVATURE] = &pc_stage_curvature,
-    [PC_STAGE_FIELD] = &pc_stage_field,         [PC_STAGE_CURL] = &pc_stage_curl,
-    [PC_STAGE_PARAM] = &pc_stage_param,         [PC_STAGE_LAYOUT] = &pc_stage_layout,
+    [PC_STAGE_SCAN] = &pc_stage_scan,   [PC_STAGE_MESH] = &pc_stage_mesh,
+    [PC_STAGE_PARTS] = &pc_stage_parts, [PC_STAGE_CURVATURE] = &pc_stage_curvature,
+    [PC_STAGE_FIELD] = &pc_stage_field, [PC_STAGE_CURL] = &pc_stage_curl,
+    [PC_STAGE_PARAM] = &pc_stage_param, [PC_STAGE_LAYOUT] = &pc_stage_layout,
     [PC_STAGE_QUADS] = &pc_stage_quads,
 };
 

@@ -5,9 +5,9 @@
 #include "file.h"
 #include "held.h"
 #include "json.h"
+#include "products.h"
 #include "run.h"
 #include "sha256.h"
-#include "products.h"
 
 typedef struct pc_stage_record {
     pc_stage_state state;
@@ -29,7 +29,7 @@ typedef struct pc_run {
     const pc_convert_options *options;
     const char *scan_path;
     const char *out; /* NULL: nothing is written */
-    pc_file input; /* open until the scan is read */
+    pc_file input;   /* open until the scan is read */
     char input_sha256[PC_SHA256_TEXT];
     uint64_t input_bytes;
     pc_device *device;

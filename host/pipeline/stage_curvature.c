@@ -17,7 +17,9 @@ static pc_status make(pc_run *run, pc_json *facts) {
     return PC_OK;
 }
 
-static pc_status check(pc_run *run) { return pc_curvature_check(&run->product.curvature, run->ctx); }
+static pc_status check(pc_run *run) {
+    return pc_curvature_check(&run->product.curvature, run->ctx);
+}
 
 static pc_status save(pc_run *run, pc_store *store) {
     const pc_renumbering to_user = pc_to_user_order(&run->product.mesh);
@@ -38,7 +40,9 @@ static pc_status load(pc_run *run, pc_store *store) {
     return status;
 }
 
-static void drop(pc_run *run) { pc_curvature_free(&run->product.curvature, run->ctx); }
+static void drop(pc_run *run) {
+    pc_curvature_free(&run->product.curvature, run->ctx);
+}
 
 const pc_stage pc_stage_curvature = {
     .name = "curvature",

@@ -38,14 +38,15 @@ static void put_facts(pc_run *run, pc_json *facts) {
 static pc_status make(pc_run *run, pc_json *facts) {
     const pc_held_mesh *held = &run->product.mesh;
     const pc_field_options options = field_options(run->options);
-    pc_status status = pc_field_make(&run->product.field, run->ctx, run->device, &held->mesh, &held->adjacency,
-                                     &run->product.curvature, &options);
+    pc_status status = pc_field_make(&run->product.field, run->ctx, run->device, &held->mesh,
+                                     &held->adjacency, &run->product.curvature, &options);
     if (status == PC_OK) put_facts(run, facts);
     return status;
 }
 
 static pc_status check(pc_run *run) {
-    return pc_field_check(&run->product.field, run->ctx, &run->product.mesh.mesh, &run->product.mesh.adjacency);
+    return pc_field_check(&run->product.field, run->ctx, &run->product.mesh.mesh,
+                          &run->product.mesh.adjacency);
 }
 
 static pc_status save(pc_run *run, pc_store *store) {
@@ -67,7 +68,9 @@ static pc_status load(pc_run *run, pc_store *store) {
     return status;
 }
 
-static void drop(pc_run *run) { pc_field_free(&run->product.field, run->ctx); }
+static void drop(pc_run *run) {
+    pc_field_free(&run->product.field, run->ctx);
+}
 
 const pc_stage pc_stage_field = {
     .name = "field",

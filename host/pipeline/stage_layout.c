@@ -3,13 +3,14 @@
 #include "user_order.h"
 #include <stdio.h>
 
-/* The parameterization draws layouts while it looks for the right density; the one that fits is taken over. */
+/* The parameterization draws layouts while it looks for the right density; the one that fits is taken over.
+ */
 static pc_status make(pc_run *run, pc_json *facts) {
     const pc_held_mesh *held = &run->product.mesh;
     pc_layout *layout = &run->product.layout;
     pc_layout_stats *stats = &run->product.layout_stats;
     if (!layout->cell_start) {
-        pc_status status = pc_layout_make(layout, stats, run->ctx, &held->mesh, &held->adjacency, &run->product.param);
+        pc_status status = pc_layout_make(layout, stats, run->ctx, &held->mesh, &run->product.param);
         if (status != PC_OK) return status;
     }
     pc_json_integer(facts, "nodes", layout->node_count);
@@ -19,11 +20,14 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_json_integer(facts, "cut_cells", stats->cut_cells);
     pc_json_integer(facts, "split_cells", stats->split_cells);
     pc_json_integer(facts, "merged_cells", stats->merged_cells);
-    (void)snprintf(run->record[PC_STAGE_LAYOUT].note, sizeof run->record->note, "%u cells", layout->cell_count);
+    (void)snprintf(run->record[PC_STAGE_LAYOUT].note, sizeof run->record->note, "%u cells",
+                   layout->cell_count);
     return PC_OK;
 }
 
-static pc_status check(pc_run *run) { return pc_layout_check(&run->product.layout, run->ctx); }
+static pc_status check(pc_run *run) {
+    return pc_layout_check(&run->product.layout, run->ctx);
+}
 
 static pc_status save(pc_run *run, pc_store *store) {
     const pc_renumbering to_user = pc_to_user_order(&run->product.mesh);
@@ -44,7 +48,9 @@ static pc_status load(pc_run *run, pc_store *store) {
     return status;
 }
 
-static void drop(pc_run *run) { pc_layout_free(&run->product.layout, run->ctx); }
+static void drop(pc_run *run) {
+    pc_layout_free(&run->product.layout, run->ctx);
+}
 
 const pc_stage pc_stage_layout = {
     .name = "layout",

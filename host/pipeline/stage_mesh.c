@@ -9,7 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Edges longer than this part of a cell's side are split: PGP needs less than a half, and the density may rise. */
+/* Edges longer than this part of a cell's side are split: PGP needs less than a half, and the density may
+ * rise. */
 static const double longest_part = 0.25;
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
@@ -125,8 +126,9 @@ static void put_facts(pc_run *run, pc_json *facts, const pc_topology *topology) 
     pc_json_number(facts, "area", held->area);
     pc_json_number(facts, "mean_edge", held->mean_edge);
     pc_json_number(facts, "period", held->period);
-    (void)snprintf(run->record[PC_STAGE_MESH].note, sizeof run->record->note, "%u triangles, chi %lld, %u loops",
-                   held->mesh.face_count, (long long)topology->chi, topology->loop_count);
+    (void)snprintf(run->record[PC_STAGE_MESH].note, sizeof run->record->note,
+                   "%u triangles, chi %lld, %u loops", held->mesh.face_count, (long long)topology->chi,
+                   topology->loop_count);
 }
 
 static pc_status make(pc_run *run, pc_json *facts) {
@@ -163,8 +165,9 @@ static pc_status save(pc_run *run, pc_store *store) {
                            "place of each triangle in the order of computation"));
     PC_TRY(pc_indices_save(store, "mesh/scan_face", held->scan_face, held->mesh.face_count,
                            "triangle of the scan that each triangle is a part of"));
-    PC_TRY(pc_store_put(store, "mesh/parent", PC_STORE_U32, 2, added, held->parent, "1",
-                        "the two vertices that each added vertex stands between; those of the scan come first"));
+    PC_TRY(
+        pc_store_put(store, "mesh/parent", PC_STORE_U32, 2, added, held->parent, "1",
+                     "the two vertices that each added vertex stands between; those of the scan come first"));
     PC_TRY(pc_store_set_real(store, "mesh", "area", held->area));
     PC_TRY(pc_store_set_real(store, "mesh", "mean_edge", held->mean_edge));
     PC_TRY(pc_store_set_real(store, "mesh", "period", held->period));

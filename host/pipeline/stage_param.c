@@ -25,15 +25,16 @@ static pc_status parameterize(pc_run *run, double period, pc_param_stats *stats)
     const double *scale = pc_stage_wanted(PC_STAGE_CURL, run->options) ? p->scale : NULL;
     pc_layout_free(&p->layout, run->ctx);
     pc_param_free(&p->param, run->ctx);
-    return pc_param_make(&p->param, stats, run->ctx, run->device, &p->mesh.mesh, &p->mesh.adjacency, &p->field, scale,
-                         &options);
+    return pc_param_make(&p->param, stats, run->ctx, run->device, &p->mesh.mesh, &p->mesh.adjacency,
+                         &p->field, scale, &options);
 }
 
 static pc_status count_quads(pc_run *run, double *count) {
     pc_held *p = &run->product;
-    pc_status status = pc_layout_make(&p->layout, &p->layout_stats, run->ctx, &p->mesh.mesh, &p->mesh.adjacency, &p->param);
+    pc_status status = pc_layout_make(&p->layout, &p->layout_stats, run->ctx, &p->mesh.mesh, &p->param);
     if (status == PC_OK)
-        *count = (double)pc_quads_count(&p->layout, run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT);
+        *count =
+            (double)pc_quads_count(&p->layout, run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT);
     return status;
 }
 
@@ -46,7 +47,8 @@ static pc_status meet_count(pc_run *run, pc_param_stats *stats, int *tries) {
         PC_TRY(parameterize(run, now.period, stats));
         PC_TRY(count_quads(run, &now.count));
         now.miss = fabs(now.count / wanted - 1);
-        pc_log(run->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads of %.0f", now.period, now.count, wanted);
+        pc_log(run->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads of %.0f", now.period, now.count,
+               wanted);
         if (now.miss < best.miss) best = now;
         if (now.miss <= close_enough || *tries == MOST_TRIES) break;
         now.period *= sqrt(now.count / wanted);
@@ -73,13 +75,14 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_json_integer(facts, "dislocations", stats.dislocations);
     pc_json_integer(facts, "field_singularities", stats.field_singularities);
     pc_json_integer(facts, "flipped", stats.flipped);
-    (void)snprintf(run->record[PC_STAGE_PARAM].note, sizeof run->record->note, "%u singular triangles of %u", singular,
-                   run->product.param.face_count);
+    (void)snprintf(run->record[PC_STAGE_PARAM].note, sizeof run->record->note, "%u singular triangles of %u",
+                   singular, run->product.param.face_count);
     return PC_OK;
 }
 
 static pc_status check(pc_run *run) {
-    return pc_param_check(&run->product.param, run->ctx, &run->product.mesh.mesh, &run->product.mesh.adjacency);
+    return pc_param_check(&run->product.param, run->ctx, &run->product.mesh.mesh,
+                          &run->product.mesh.adjacency);
 }
 
 static pc_status save(pc_run *run, pc_store *store) {
@@ -101,7 +104,9 @@ static pc_status load(pc_run *run, pc_store *store) {
     return status;
 }
 
-static void drop(pc_run *run) { pc_param_free(&run->product.param, run->ctx); }
+static void drop(pc_run *run) {
+    pc_param_free(&run->product.param, run->ctx);
+}
 
 const pc_stage pc_stage_param = {
     .name = "param",

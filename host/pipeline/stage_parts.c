@@ -1,12 +1,14 @@
-/* Parts: pieces of the mesh with few edges between them, for machines with more than one memory. No other stage reads
- * them, and no other file holds them, so that their number changes no result. */
+/* Parts: pieces of the mesh with few edges between them, for machines with more than one memory. No other
+ * stage reads them, and no other file holds them, so that their number changes no result. */
 #include "graph.h"
 #include "memory.h"
 #include "stage.h"
 #include "user_order.h"
 #include <stdio.h>
 
-static bool wanted(const pc_convert_options *options) { return options->parts > 1; }
+static bool wanted(const pc_convert_options *options) {
+    return options->parts > 1;
+}
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "parts", options->parts);
@@ -22,8 +24,9 @@ static pc_status make(pc_run *run, pc_json *facts) {
     PC_TRY(pc_parts_check(parts, run->ctx, &graph));
     pc_json_integer(facts, "parts", parts->part_count);
     pc_json_integer(facts, "cut_edges", (int64_t)parts->cut_edges);
-    (void)snprintf(run->record[PC_STAGE_PARTS].note, sizeof run->record->note, "%u parts, %llu edges between them",
-                   parts->part_count, (unsigned long long)parts->cut_edges);
+    (void)snprintf(run->record[PC_STAGE_PARTS].note, sizeof run->record->note,
+                   "%u parts, %llu edges between them", parts->part_count,
+                   (unsigned long long)parts->cut_edges);
 done:
     pc_graph_free(&graph, run->ctx);
     return status;
@@ -67,7 +70,9 @@ done:
     return status;
 }
 
-static void drop(pc_run *run) { pc_parts_free(&run->product.parts, run->ctx); }
+static void drop(pc_run *run) {
+    pc_parts_free(&run->product.parts, run->ctx);
+}
 
 const pc_stage pc_stage_parts = {
     .name = "parts",

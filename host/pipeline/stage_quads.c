@@ -31,8 +31,8 @@ static pc_status check(pc_run *run) {
     const pc_polymesh *quads = &run->product.quads;
     for (size_t c = 0; c < quads->start[quads->face_count]; c++)
         if (quads->corner[c] >= quads->vertex_count)
-            return pc_fail(run->ctx, PC_E_BUG, "corner %zu of the quads has vertex %u of %u", c, quads->corner[c],
-                           quads->vertex_count);
+            return pc_fail(run->ctx, PC_E_BUG, "corner %zu of the quads has vertex %u of %u", c,
+                           quads->corner[c], quads->vertex_count);
     return PC_OK;
 }
 
@@ -44,7 +44,9 @@ static pc_status load(pc_run *run, pc_store *store) {
     return pc_polymesh_load(&run->product.quads, store, "quads");
 }
 
-static void drop(pc_run *run) { pc_polymesh_free(&run->product.quads, run->ctx); }
+static void drop(pc_run *run) {
+    pc_polymesh_free(&run->product.quads, run->ctx);
+}
 
 const pc_stage pc_stage_quads = {
     .name = "quads",

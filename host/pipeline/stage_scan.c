@@ -40,7 +40,9 @@ done:
     return status;
 }
 
-static pc_status check(pc_run *run) { return pc_mesh_check(&run->product.scan.mesh, run->ctx); }
+static pc_status check(pc_run *run) {
+    return pc_mesh_check(&run->product.scan.mesh, run->ctx);
+}
 
 static pc_status save(pc_run *run, pc_store *store) {
     const pc_held_scan *scan = &run->product.scan;
@@ -48,8 +50,9 @@ static pc_status save(pc_run *run, pc_store *store) {
     PC_TRY(pc_mesh_save(store, "scan", &scan->mesh));
     PC_TRY(pc_indices_save(store, "scan/vertex_source", scan->vertex_source, scan->mesh.vertex_count,
                            "vertex of the file at each vertex"));
-    PC_TRY(pc_indices_save(store, "scan/face_source", scan->face_source, scan->mesh.face_count,
-                           "triangle of the file that each face is (a part of), polygons counted as triangles"));
+    PC_TRY(
+        pc_indices_save(store, "scan/face_source", scan->face_source, scan->mesh.face_count,
+                        "triangle of the file that each face is (a part of), polygons counted as triangles"));
 done:
     return status;
 }

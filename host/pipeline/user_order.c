@@ -4,21 +4,31 @@
 
 pc_renumbering pc_to_user_order(const pc_held_mesh *mesh) {
     const pc_order *order = &mesh->order;
-    return (pc_renumbering){.vertex_count = order->vertex_count, .face_count = order->face_count,
-                            .loop_count = mesh->loop_count, .vertex = order->vertex_new, .face = order->face_new,
-                            .loop = mesh->loop_new, .vertex_place = order->vertex_old, .face_place = order->face_old};
+    return (pc_renumbering){.vertex_count = order->vertex_count,
+                            .face_count = order->face_count,
+                            .loop_count = mesh->loop_count,
+                            .vertex = order->vertex_new,
+                            .face = order->face_new,
+                            .loop = mesh->loop_new,
+                            .vertex_place = order->vertex_old,
+                            .face_place = order->face_old};
 }
 
 pc_renumbering pc_from_user_order(const pc_held_mesh *mesh) {
     const pc_order *order = &mesh->order;
-    return (pc_renumbering){.vertex_count = order->vertex_count, .face_count = order->face_count,
-                            .loop_count = mesh->loop_count, .vertex = order->vertex_old, .face = order->face_old,
-                            .loop = mesh->loop_old, .vertex_place = order->vertex_new, .face_place = order->face_new};
+    return (pc_renumbering){.vertex_count = order->vertex_count,
+                            .face_count = order->face_count,
+                            .loop_count = mesh->loop_count,
+                            .vertex = order->vertex_old,
+                            .face = order->face_old,
+                            .loop = mesh->loop_old,
+                            .vertex_place = order->vertex_new,
+                            .face_place = order->face_new};
 }
 
 /* A new array whose row i is row map[i] of `in`; NULL stays NULL. */
-static pc_status gather_rows(void **out, pc_context *ctx, const void *in, size_t row_bytes, const pc_index *map,
-                             size_t count) {
+static pc_status gather_rows(void **out, pc_context *ctx, const void *in, size_t row_bytes,
+                             const pc_index *map, size_t count) {
     *out = NULL;
     if (!in) return PC_OK;
     pc_status status = pc_alloc_bytes(out, ctx, count, row_bytes);
@@ -108,7 +118,8 @@ static void replace_vertices(pc_index *list, size_t count, const pc_renumbering 
         if (list[i] < r->vertex_count) list[i] = r->vertex_place[list[i]];
 }
 
-static pc_status renumber_layout_mesh(pc_layout *out, pc_context *ctx, const pc_layout *in, const pc_renumbering *r) {
+static pc_status renumber_layout_mesh(pc_layout *out, pc_context *ctx, const pc_layout *in,
+                                      const pc_renumbering *r) {
     pc_status status = PC_OK;
     const pc_mesh *mesh = &in->mesh;
     PC_TRY(pc_mesh_copy(&out->mesh, ctx, mesh));
@@ -125,7 +136,8 @@ done:
 
 pc_status pc_renumber_layout(pc_layout *out, pc_context *ctx, const pc_layout *in, const pc_renumbering *r) {
     pc_status status = PC_OK;
-    *out = (pc_layout){.node_count = in->node_count, .arc_count = in->arc_count, .cell_count = in->cell_count};
+    *out =
+        (pc_layout){.node_count = in->node_count, .arc_count = in->arc_count, .cell_count = in->cell_count};
     const size_t arc_vertices = in->arc_start[in->arc_count], sides = in->cell_start[in->cell_count];
     PC_TRY(renumber_layout_mesh(out, ctx, in, r));
     PC_TRY(COPY(node_vertex, in->node_count));
