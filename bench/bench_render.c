@@ -86,7 +86,7 @@ static pc_status save(pc_context *ctx, pc_picture *picture, const char *folder, 
     double drawn = pc_clock_wall();
     cpu = pc_clock_cpu() - cpu;
     (void)snprintf(path, sizeof(path), "%s/%s.png", folder, name);
-    pc_status status = pc_png_save(ctx, path, picture, true);
+    pc_status status = pc_png_save(ctx, path, picture);
     pc_picture_free(picture, ctx);
     (void)printf("%-20s drawn %.3f s (%.3f s of processor time), written %.3f s\n", name, drawn - start, cpu,
                  pc_clock_wall() - drawn);

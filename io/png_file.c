@@ -5,10 +5,9 @@
 #include <string.h>
 
 /* libpng's simplified writer: no setjmp, errors come back as text. */
-pc_status pc_png_write(pc_context *ctx, const char *path, const uint8_t *pixels, int width, int height,
-                       bool force) {
+pc_status pc_png_write(pc_context *ctx, const char *path, const uint8_t *pixels, int width, int height) {
     char *temporary = NULL;
-    pc_status status = pc_file_temporary(&temporary, ctx, path, force);
+    pc_status status = pc_file_temporary(&temporary, ctx, path, true);
     if (status != PC_OK) return status;
     png_image image;
     memset(&image, 0, sizeof(image));
@@ -17,7 +16,7 @@ pc_status pc_png_write(pc_context *ctx, const char *path, const uint8_t *pixels,
     image.format = PNG_FORMAT_RGB;
     image.flags = PNG_IMAGE_FLAG_FAST;
     if (png_image_write_to_file(&image, temporary, 0, pixels, 3 * width, NULL)) {
-        status = pc_file_publish(ctx, temporary, path, force);
+        status = pc_file_publish(ctx, temporary, path, true);
     } else {
         status = pc_fail(ctx, PC_E_IO, "cannot write %s: %s", path, image.message);
         (void)remove(temporary);
@@ -26,10 +25,10 @@ pc_status pc_png_write(pc_context *ctx, const char *path, const uint8_t *pixels,
     return status;
 }
 
-pc_status pc_png_save(pc_context *ctx, const char *path, const pc_picture *picture, bool force) {
+pc_status pc_png_save(pc_context *ctx, const char *path, const pc_picture *picture) {
     uint8_t *pixels = NULL;
     pc_status status = pc_picture_pixels(&pixels, ctx, picture);
-    if (status == PC_OK) status = pc_png_write(ctx, path, pixels, picture->width, picture->height, force);
+    if (status == PC_OK) status = pc_png_write(ctx, path, pixels, picture->width, picture->height);
     pc_free(ctx, pixels);
     return status;
 }

@@ -4,6 +4,7 @@
 #include "scene.h"
 #include "stroke.h"
 #include "surface.h"
+#include "transition.h"
 #include "vec3.h"
 #include <stdlib.h>
 
@@ -55,28 +56,14 @@ done:
     return status;
 }
 
-/* S^turn with S(s,t) = (t,-s). */
-static void turned(int64_t out[2], const int64_t p[2], int turn) {
-    int64_t s = p[0], t = p[1];
-    for (int k = 0; k < (turn & 3); k++) {
-        int64_t old = s;
-        s = t, t = -old;
-    }
-    out[0] = s, out[1] = t;
-}
-
 /* The corners of a closed face in the frame of its first vertex. */
-static void face_coordinates(int64_t corner[3][2], const pc_mesh *mesh, const pc_param *param, size_t face) {
-    for (int k = 0; k < 3; k++)
-        for (int c = 0; c < 2; c++)
-            corner[k][c] = param->coordinate[2 * (size_t)mesh->triangle[3 * face + (size_t)k] + (size_t)c];
-    size_t out = 3 * face, in = 3 * face + 2; /* half-edges 0 -> 1 and 2 -> 0 */
-    turned(corner[1], corner[1], param->turn[out]);
-    for (int c = 0; c < 2; c++) {
-        corner[1][c] += (int64_t)PC_PERIOD * param->shift[2 * out + (size_t)c];
-        corner[2][c] -= (int64_t)PC_PERIOD * param->shift[2 * in + (size_t)c];
+static void face_coordinates(pc_point2 corner[3], const pc_mesh *mesh, const pc_param *param, size_t face) {
+    for (size_t k = 0; k < 3; k++) {
+        size_t v = mesh->triangle[3 * face + k];
+        corner[k] = (pc_point2){param->coordinate[2 * v], param->coordinate[2 * v + 1]};
     }
-    turned(corner[2], corner[2], 4 - (param->turn[in] & 3));
+    corner[1] = pc_transition_apply(pc_transition_of(param, 3 * face), corner[1]);
+    corner[2] = pc_transition_apply(pc_transition_inverse(pc_transition_of(param, 3 * face + 2)), corner[2]);
 }
 
 static int64_t floor_div(int64_t a, int64_t b) {
@@ -144,10 +131,12 @@ static pc_status draw_isolines(pc_picture *picture, pc_context *ctx, const pc_me
     float width = (float)fmin(1.9, fmax(0.6, 0.13 * period)) * (float)picture->height / 1200;
     for (size_t f = 0; f < mesh->face_count; f++) {
         if (param->singular[f] != PC_REGULAR && param->singular[f] != PC_FLIPPED) continue;
-        int64_t corner[3][2];
+        pc_point2 corner[3];
         face_coordinates(corner, mesh, param, f);
         for (int c = 0; c < 2; c++) {
-            const int64_t value[3] = {corner[0][c], corner[1][c], corner[2][c]};
+            int64_t value[3];
+            for (int k = 0; k < 3; k++)
+                value[k] = c ? corner[k].t : corner[k].s;
             PC_TRY(face_lines(&list, ctx, mesh, f, value, step, width));
         }
     }

@@ -108,10 +108,14 @@ static pc_status draw_lines(pc_picture *picture, pc_context *ctx, const screen_l
     return PC_OK;
 }
 
-static int faces_away(const pc_camera *c, const pc_stroke *stroke) {
+/* 0 where the line is seen from behind, 1 where it is seen well, between in grazing views: fields and lines
+ * would turn the rim of a model black otherwise. */
+static float presence(const pc_camera *c, const pc_stroke *stroke) {
     pc_vec3 n = {stroke->normal[0], stroke->normal[1], stroke->normal[2]};
     pc_vec3 p = pc_sub(pc_vec3_at(stroke->from, 0), c->centre);
-    return pc_dot(n, pc_sub(pc_scale(c->distance, c->back), p)) < 0;
+    double facing = pc_dot(n, pc_unit(pc_sub(pc_scale(c->distance, c->back), p)));
+    if (pc_dot(n, n) < 0.5) return 1;
+    return facing <= 0 ? 0 : facing >= 0.18 ? 1 : (float)(facing / 0.18);
 }
 
 /* On one pane, or, where `pane` is NULL, flat on the picture. */
@@ -135,8 +139,8 @@ static pc_status draw_strokes(pc_picture *picture, pc_context *ctx, const pc_pan
             l->a[0] = (float)stroke[i].from[0] * s, l->a[1] = (float)stroke[i].from[1] * s;
             l->b[0] = (float)stroke[i].to[0] * s, l->b[1] = (float)stroke[i].to[1] * s;
         }
-        span[i] = line_span(l, pane ? pane->box : whole);
-        if (pane && faces_away(&pane->camera, &stroke[i])) span[i] = PC_SPAN_NONE;
+        if (pane) l->half *= presence(&pane->camera, &stroke[i]);
+        span[i] = l->half > 0 ? line_span(l, pane ? pane->box : whole) : PC_SPAN_NONE;
     }
     float lift = pane ? (float)(bias / pane->camera.distance) : INFINITY;
     PC_TRY(draw_lines(picture, ctx, line, span, stroke, count, lift));
