@@ -48,7 +48,7 @@ pc_status pc_command_render(pc_context *ctx, int argc, const char **argv) {
         status = pc_fail(ctx, PC_E_USAGE, "%s: exists; --force overwrites it", out);
         goto done;
     }
-    status = pc_render(ctx, operands.text[0], out, what, &options, force);
+    status = pc_render(ctx, operands.text[0], out, what, &options);
 done:
     return status;
 }

@@ -62,7 +62,7 @@ static pc_status draw(pc_picture *picture, pc_context *ctx, const pc_held *held,
 }
 
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options, bool force) {
+                          const pc_picture_options *options) {
     pc_picture_options with_legend = *options;
     pc_picture picture;
     const pc_mesh *mesh = &held->mesh.mesh;
@@ -73,7 +73,7 @@ pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held
                         of_quads ? held->quads.vertex_count : mesh->vertex_count, &with_legend);
     if (status != PC_OK) return status;
     PC_TRY(draw(&picture, ctx, held, kind));
-    PC_TRY(pc_png_save(ctx, path, &picture, force));
+    PC_TRY(pc_png_save(ctx, path, &picture));
 done:
     pc_picture_free(&picture, ctx);
     return status;
@@ -83,7 +83,7 @@ pc_status pc_preview_write(pc_run *run, pc_preview_kind kind) {
     const pc_picture_options options = PC_PICTURE_DEFAULTS;
     char *path;
     pc_status status = pc_folder_join(&path, run->ctx, run->out, pc_preview_name(kind), ".png");
-    if (status == PC_OK) status = pc_preview_save(run->ctx, path, &run->product, kind, &options, true);
+    if (status == PC_OK) status = pc_preview_save(run->ctx, path, &run->product, kind, &options);
     pc_free(run->ctx, path);
     return status;
 }

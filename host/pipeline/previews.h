@@ -22,7 +22,7 @@ pc_stage_id pc_preview_stage(pc_preview_kind kind);
 /* Draws what is held. `legend` of the options is set here. PC_E_IO where `path` is there and `force` is not
  * set. */
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options, bool force);
+                          const pc_picture_options *options);
 /* Into out/<name>.png, in the default size. */
 pc_status pc_preview_write(pc_run *run, pc_preview_kind kind);
 

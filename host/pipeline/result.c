@@ -129,14 +129,14 @@ static pc_status load_scan(pc_held *held, int *what, pc_context *ctx, const char
 }
 
 pc_status pc_render(pc_context *ctx, const char *from, const char *picture, int what,
-                    const pc_picture_options *options, bool force) {
+                    const pc_picture_options *options) {
     pc_held held = {0};
     pc_status status = PC_OK;
     if (is_folder(from) || is_hdf5(from))
         PC_TRY(load_result(&held, &what, ctx, from));
     else
         PC_TRY(load_scan(&held, &what, ctx, from));
-    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options, force));
+    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options));
 done:
     pc_mesh_free(&held.mesh.mesh, ctx);
     pc_curvature_free(&held.curvature, ctx);

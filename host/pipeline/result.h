@@ -4,10 +4,10 @@
 
 #include "previews.h"
 
-/* Draws `from` into the PNG file `picture`, over one that is there where `force` is set (else PC_E_IO).
+/* Draws `from` into the PNG file `picture`, over whatever is there.
  * `from` is a folder that pc_convert left, a result or stage file in HDF5, or a scan. `what` is a
  * pc_preview_kind, or -1 for the last that is there. PC_E_USAGE where it is not there. */
 pc_status pc_render(pc_context *ctx, const char *from, const char *picture, int what,
-                    const pc_picture_options *options, bool force);
+                    const pc_picture_options *options);
 
 #endif

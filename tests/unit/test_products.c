@@ -175,6 +175,8 @@ static pc_param random_param(pc_context *ctx, pc_random *random, pc_index n, pc_
     pc_param param = {.vertex_count = n, .face_count = m, .period_length = pc_random_uniform(random)};
     param.phase = random_bytes(ctx, random, 4 * (size_t)n, sizeof(float));
     param.coordinate = (int32_t *)random_indices(ctx, random, 2 * (size_t)n, PC_PERIOD, false);
+    for (size_t i = 0; i < 2 * (size_t)n; i++)
+        param.coordinate[i] |= 1;
     param.turn = random_small(ctx, random, 3 * (size_t)m, 4);
     param.shift = random_bytes(ctx, random, 6 * (size_t)m, 4);
     param.singular = random_small(ctx, random, m, PC_FLIPPED + 1);
