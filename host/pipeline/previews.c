@@ -66,11 +66,9 @@ pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held
     pc_picture_options with_legend = *options;
     pc_picture picture;
     const pc_mesh *mesh = &held->mesh.mesh;
-    const bool of_quads = kind == PC_PREVIEW_QUADS;
+    /* All pictures of a run are framed on the scan, so that they can be laid beside each other. */
     with_legend.legend = kind == PC_PREVIEW_CURVATURE;
-    pc_status status =
-        pc_picture_make(&picture, ctx, of_quads ? held->quads.position : mesh->position,
-                        of_quads ? held->quads.vertex_count : mesh->vertex_count, &with_legend);
+    pc_status status = pc_picture_make(&picture, ctx, mesh->position, mesh->vertex_count, &with_legend);
     if (status != PC_OK) return status;
     PC_TRY(draw(&picture, ctx, held, kind));
     PC_TRY(pc_png_save(ctx, path, &picture));

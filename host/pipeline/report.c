@@ -142,10 +142,12 @@ static void put_stages(pc_json *json, const pc_run *run) {
         pc_json_object(json, NULL);
         pc_json_string(json, "name", pc_stage_title((pc_stage_id)id));
         pc_json_string(json, "state", states[record->state]);
-        pc_json_number(json, "seconds", record->wall_seconds);
-        pc_json_number(json, "cpu_seconds", record->cpu_seconds);
-        pc_json_integer(json, "peak_bytes", (int64_t)record->resident_peak);
-        pc_json_integer(json, "peak_allocated_bytes", (int64_t)record->counted_peak);
+        if (record->state == PC_STAGE_MADE) {
+            pc_json_number(json, "seconds", record->wall_seconds);
+            pc_json_number(json, "cpu_seconds", record->cpu_seconds);
+            pc_json_integer(json, "peak_bytes", (int64_t)record->resident_peak);
+            pc_json_integer(json, "peak_allocated_bytes", (int64_t)record->counted_peak);
+        }
         pc_json_string(json, "note", record->note);
         if (record->facts) pc_json_raw(json, "facts", record->facts);
         pc_json_close(json);
