@@ -159,6 +159,12 @@ static pc_color valence_color(int valence) {
     return valence < 3 ? 0xf08a24 : 0x7a3fa8;
 }
 
+static void put_ball(pc_ball *ball, const pc_polymesh *q, size_t vertex, float radius, pc_color color) {
+    pc_vec3_put(ball->centre, 0, pc_vec3_at(q->position, vertex));
+    ball->radius = radius, ball->color = color;
+}
+
+/* Balls at irregular vertices, and smaller ones at T-junctions. */
 static pc_status draw_irregular(pc_picture *picture, pc_context *ctx, const pc_polymesh *q, double edge) {
     pc_status status;
     uint8_t *valence = NULL;
@@ -167,16 +173,18 @@ static pc_status draw_irregular(pc_picture *picture, pc_context *ctx, const pc_p
     PC_TRY(make_valence(&valence, ctx, q));
     for (size_t v = 0; v < q->vertex_count; v++)
         count += valence[v] != 0 && valence[v] != 4;
+    size_t corners = q->corner_flat ? q->start[q->face_count] : 0;
+    for (size_t c = 0; c < corners; c++)
+        count += q->corner_flat[c];
     PC_TRY(pc_new(&ball, ctx, count));
     double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0);
-    double radius = fmin(6 * pixel, fmax(2 * pixel, 0.2 * edge));
+    float radius = (float)fmin(6 * pixel, fmax(2 * pixel, 0.2 * edge));
     count = 0;
-    for (size_t v = 0; v < q->vertex_count; v++) {
-        if (valence[v] == 0 || valence[v] == 4) continue;
-        pc_ball *b = &ball[count++];
-        pc_vec3_put(b->centre, 0, pc_vec3_at(q->position, v));
-        b->radius = (float)radius, b->color = valence_color(valence[v]);
-    }
+    for (size_t v = 0; v < q->vertex_count; v++)
+        if (valence[v] != 0 && valence[v] != 4)
+            put_ball(&ball[count++], q, v, radius, valence_color(valence[v]));
+    for (size_t c = 0; c < corners; c++)
+        if (q->corner_flat[c]) put_ball(&ball[count++], q, q->corner[c], 0.55F * radius, 0xe8912a);
     PC_TRY(pc_ball_draw(picture, ctx, ball, count));
 done:
     pc_free(ctx, valence);
