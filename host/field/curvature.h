@@ -18,9 +18,10 @@ typedef struct pc_curvature {
     double radius;    /* the neighbourhood's radius, model units */
     double mean_edge; /* mean edge length of the mesh, model units */
     double *normal;   /* 3 per vertex: unit, averaged over the neighbourhood */
-    double *tensor;   /* 6 per vertex, xx xy xz yy yz zz: mean normal-cycle tensor, 1/length. Its eigenvector
-                         along an   edge of a cylinder carries 1/r: eigenvectors are swapped against curvatures */
-    double *value;    /* 2 per vertex: k1 >= k2, 1/length, positive where convex */
+    double
+        *tensor;   /* 6 per vertex, xx xy xz yy yz zz: mean normal-cycle tensor, 1/length. Its eigenvector
+                      along an   edge of a cylinder carries 1/r: eigenvectors are swapped against curvatures */
+    double *value; /* 2 per vertex: k1 >= k2, 1/length, positive where convex */
     double
         *direction; /* 3 per vertex: unit tangent (to normal) along which the curvature is k1; k2 is across */
     double *weight; /* per vertex in [0,1]: 0 where directions mean nothing (umbilic, flat, noise), 1 where

@@ -1,5 +1,6 @@
 #include "smooth.h"
 #include "memory.h"
+#include "relief.h"
 #include "vec3.h"
 
 typedef struct smoothing {
@@ -12,6 +13,7 @@ typedef struct smoothing {
     pc_ring ring;
     pc_system system;
     pc_solver *solver;
+    double *transport;
     double *stiff; /* per vertex: rho times the sum of its edges' weights */
     double *z, *right;
     pc_index iterations;
@@ -22,7 +24,7 @@ static void assemble_row(smoothing *s, pc_index v) {
     double rho = s->options->smoothness, sum = 0;
     for (pc_index k = ring->start[v]; k < ring->start[v + 1]; k++) {
         pc_index h = ring->half[k];
-        double turn = s->options->symmetry * s->connection->transport[h];
+        double turn = s->options->symmetry * s->transport[h];
         double w = rho * s->connection->weight[s->adjacency->edge[h]];
         s->system.value[2 * (size_t)k] = -w * cos(turn);
         s->system.value[2 * (size_t)k + 1] = (pc_tail(s->mesh, h) == v ? w : -w) * sin(turn);
@@ -113,6 +115,9 @@ pc_status pc_smooth_field(double *angle, pc_context *ctx, pc_device *device, con
                    .target = target,
                    .weight = weight};
     double rho = options->smoothness, whole;
+    PC_TRY(pc_new(&s.transport, ctx, 3 * (size_t)mesh->face_count));
+    PC_TRY(pc_relief_smooth(s.transport, ctx, device, mesh, adjacency, connection, options->relief,
+                            &options->solver));
     PC_TRY(assemble(&s));
     whole = sum_area(&s);
     start_field(&s);
@@ -129,6 +134,7 @@ done:
     pc_solver_free(s.solver, ctx);
     pc_system_free(&s.system, ctx);
     pc_ring_free(&s.ring, ctx);
+    pc_free(ctx, s.transport);
     pc_free(ctx, s.stiff);
     pc_free(ctx, s.z);
     pc_free(ctx, s.right);

@@ -11,6 +11,7 @@ typedef struct pc_smooth_options {
     int symmetry;
     double smoothness; /* rho */
     double length;     /* l, model units */
+    double relief;     /* relief shorter than this, model units, does not turn the field (relief.h) */
     int rounds;
     double tolerance;
     pc_solver_options solver;
