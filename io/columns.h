@@ -10,7 +10,7 @@ typedef struct pc_column {
     const char *name; /* of the dataset in the product's group */
     pc_store_type type;
     int width;      /* numbers per row; 0 for a plain list */
-    int rows;       /* which of the product's counts gives the number of rows */
+    size_t rows;    /* which of the product's counts gives the number of rows */
     size_t pointer; /* offset of the array's pointer in the product */
     bool optional;  /* NULL where the dataset is missing */
     const char *units, *description;

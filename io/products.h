@@ -7,6 +7,7 @@
 #ifndef PC_PRODUCTS_H
 #define PC_PRODUCTS_H
 
+#include "curvature.h"
 #include "field.h"
 #include "layout.h"
 #include "param.h"
@@ -16,6 +17,9 @@
 
 pc_status pc_mesh_save(pc_store *store, const char *group, const pc_mesh *mesh);
 pc_status pc_mesh_load(pc_mesh *mesh, pc_store *store, const char *group);
+
+pc_status pc_curvature_save(pc_store *store, const char *group, const pc_curvature *curvature);
+pc_status pc_curvature_load(pc_curvature *curvature, pc_store *store, const char *group);
 
 pc_status pc_field_save(pc_store *store, const char *group, const pc_field *field);
 pc_status pc_field_load(pc_field *field, pc_store *store, const char *group);

@@ -1,14 +1,11 @@
-#include "deflate.h"
 #include "memory.h"
 #include "seal.h"
 #include "store_private.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-/* Datasets below this size are not worth compressing. */
-enum { COMPRESS_FROM = 64 << 10 };
 
 static herr_t keep_cause(unsigned n, const H5E_error2_t *error, void *text) {
     if (n == 0) (void)snprintf(text, 256, "%s", error->desc ? error->desc : "");
@@ -91,7 +88,10 @@ static pc_status make_store(pc_store **store, pc_context *ctx, const char *path)
     /* The library would print its errors; ours go into one message. */
     (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     PC_TRY(pc_new(&made, ctx, 1));
-    *made = (pc_store){.ctx = ctx, .file = H5I_INVALID_HID, .group_list = H5I_INVALID_HID};
+    *made = (pc_store){.ctx = ctx,
+                       .file = H5I_INVALID_HID,
+                       .group_list = H5I_INVALID_HID,
+                       .driver = {.id = H5I_INVALID_HID, .file = -1}};
     PC_TRY(pc_new(&made->path, ctx, strlen(path) + 1));
     memcpy(made->path, path, strlen(path) + 1);
     *store = made;
@@ -100,29 +100,39 @@ done:
     return status;
 }
 
-static void free_store(pc_store *store) {
+/* Closes what is open; whether all that was written has arrived is in driver.error. */
+static void close_file(pc_store *store) {
     if (store->file >= 0) (void)H5Fclose(store->file);
     if (store->group_list >= 0) (void)H5Pclose(store->group_list);
+    store->file = store->group_list = H5I_INVALID_HID;
+    pc_store_driver_release(&store->driver);
+    if (store->driver.file >= 0 && close(store->driver.file) != 0 && store->driver.error == 0)
+        store->driver.error = errno;
+    store->driver.file = -1;
+}
+
+void pc_store_close(pc_store *store) {
+    if (!store) return;
+    close_file(store);
+    if (store->partial) (void)unlink(store->partial);
     pc_free(store->ctx, store->path);
     pc_free(store->ctx, store->partial);
     pc_free(store->ctx, store);
 }
 
-void pc_store_close(pc_store *store) {
-    if (!store) return;
-    if (store->file >= 0) (void)H5Fclose(store->file);
-    store->file = H5I_INVALID_HID;
-    if (store->partial) (void)unlink(store->partial);
-    free_store(store);
+pc_status pc_store_check_written(pc_store *store) {
+    if (store->driver.error == 0) return PC_OK;
+    return pc_fail(store->ctx, PC_E_IO, "%s: cannot write: %s", store->path, strerror(store->driver.error));
 }
 
 /* Version 1.8 bounds: superblock and headers with checksums that all readers of the last 15 years know. Locks
  * are off, since they fail on network file systems and nobody opens a partial file. */
-static hid_t access_list(void) {
+static hid_t access_list(pc_store_driver *driver) {
     hid_t list = H5Pcreate(H5P_FILE_ACCESS);
     if (list < 0) return list;
     if (H5Pset_libver_bounds(list, H5F_LIBVER_V18, H5F_LIBVER_V18) < 0 ||
-        H5Pset_fclose_degree(list, H5F_CLOSE_STRONG) < 0 || H5Pset_file_locking(list, false, true) < 0) {
+        H5Pset_fclose_degree(list, H5F_CLOSE_STRONG) < 0 || H5Pset_file_locking(list, false, true) < 0 ||
+        (driver && pc_store_driver_use(driver, list) < 0)) {
         (void)H5Pclose(list);
         return H5I_INVALID_HID;
     }
@@ -131,11 +141,15 @@ static hid_t access_list(void) {
 
 static pc_status create_file(pc_store *store) {
     pc_status status = PC_OK;
-    hid_t access = access_list(), creation = H5Pcreate(H5P_FILE_CREATE);
+    hid_t access = access_list(&store->driver), creation = H5Pcreate(H5P_FILE_CREATE);
     store->group_list = H5Pcreate(H5P_GROUP_CREATE);
     if (access < 0 || creation < 0 || store->group_list < 0 || H5Pset_obj_track_times(creation, false) < 0 ||
         H5Pset_obj_track_times(store->group_list, false) < 0)
         PC_TRY(pc_store_fail(store, PC_E_BUG, "/", "cannot prepare an HDF5 file"));
+    store->driver.file = open(store->partial, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (store->driver.file < 0)
+        PC_TRY(
+            pc_fail(store->ctx, PC_E_IO, "%s: cannot create the file: %s", store->partial, strerror(errno)));
     store->file = H5Fcreate(store->partial, H5F_ACC_TRUNC, creation, access);
     if (store->file < 0) PC_TRY(pc_store_fail(store, PC_E_IO, "/", "cannot create the file"));
 done:
@@ -170,11 +184,8 @@ pc_status pc_store_commit(pc_store **store) {
     pc_status status = PC_OK;
     pc_store *s = *store;
     *store = NULL;
-    if (H5Fflush(s->file, H5F_SCOPE_GLOBAL) < 0)
-        PC_TRY(pc_store_fail(s, PC_E_IO, "/", "cannot write the file"));
-    herr_t closed = H5Fclose(s->file);
-    s->file = H5I_INVALID_HID;
-    if (closed < 0) PC_TRY(pc_store_fail(s, PC_E_IO, "/", "cannot close the file"));
+    close_file(s);
+    PC_TRY(pc_store_check_written(s));
     PC_TRY(pc_seal_write(s->ctx, s->partial));
     PC_TRY(pc_seal_publish(s->ctx, s->partial, s->path));
     pc_free(s->ctx, s->partial);
@@ -207,7 +218,7 @@ pc_status pc_store_open(pc_store **store, pc_context *ctx, const char *path) {
     *store = NULL;
     if (status != PC_OK) return status;
     PC_TRY(pc_seal_check(&made->bytes, ctx, path));
-    access = access_list();
+    access = access_list(NULL);
     made->file = access < 0 ? H5I_INVALID_HID : H5Fopen(path, H5F_ACC_RDONLY, access);
     if (made->file < 0) PC_TRY(pc_store_fail(made, PC_E_FORMAT, "/", "not a readable HDF5 file"));
     PC_TRY(check_format(made));
@@ -225,121 +236,4 @@ pc_context *pc_store_context(const pc_store *store) {
 
 const char *pc_store_path(const pc_store *store) {
     return store->path;
-}
-
-/* Whether every link on the way exists: H5Lexists fails where a parent is missing. */
-bool pc_store_has(pc_store *store, const char *name) {
-    char part[256];
-    size_t length = strlen(name);
-    if (length == 0 || length >= sizeof part) return false;
-    for (size_t i = 1; i <= length; i++) {
-        if (name[i] != '/' && name[i] != '\0') continue;
-        memcpy(part, name, i);
-        part[i] = '\0';
-        if (H5Lexists(store->file, part, H5P_DEFAULT) <= 0) return false;
-    }
-    return true;
-}
-
-pc_status pc_store_group(hid_t *group, pc_store *store, const char *name) {
-    hid_t at = H5Gopen2(store->file, "/", H5P_DEFAULT);
-    char part[256];
-    while (at >= 0 && *name) {
-        size_t length = strcspn(name, "/");
-        if (length >= sizeof part) break;
-        memcpy(part, name, length);
-        part[length] = '\0';
-        name += length + (name[length] == '/');
-        if (length == 0) continue;
-        hid_t next = H5Lexists(at, part, H5P_DEFAULT) > 0
-                         ? H5Gopen2(at, part, H5P_DEFAULT)
-                         : H5Gcreate2(at, part, H5P_DEFAULT, store->group_list, H5P_DEFAULT);
-        (void)H5Gclose(at);
-        at = next;
-    }
-    *group = at;
-    if (at >= 0 && *name == '\0') return PC_OK;
-    if (at >= 0) (void)H5Gclose(at);
-    *group = H5I_INVALID_HID;
-    return pc_store_fail(store, PC_E_IO, name, "cannot make the group");
-}
-
-pc_status pc_store_object(hid_t *object, pc_store *store, const char *name) {
-    bool root = strcmp(name, "/") == 0 || name[0] == '\0';
-    if (store->partial && !root && !pc_store_has(store, name)) return pc_store_group(object, store, name);
-    *object = H5Oopen(store->file, root ? "/" : name, H5P_DEFAULT);
-    return *object >= 0 ? PC_OK : pc_store_fail(store, PC_E_FORMAT, name, "missing");
-}
-
-/* Makes the group that `name` lies in and returns the part after the last slash. */
-static pc_status open_parent(hid_t *parent, const char **leaf, pc_store *store, const char *name) {
-    char folder[256] = "";
-    const char *slash = strrchr(name, '/');
-    size_t length = slash ? (size_t)(slash - name) : 0;
-    if (length >= sizeof folder) return pc_store_fail(store, PC_E_BUG, name, "the name is too long");
-    memcpy(folder, name, length);
-    *leaf = slash ? slash + 1 : name;
-    return pc_store_group(parent, store, folder);
-}
-
-static pc_status write_data(pc_store *store, hid_t dataset, const char *name, pc_store_type type,
-                            size_t count, const void *data) {
-    if (count == 0) return PC_OK;
-    if (H5Dwrite(dataset, pc_store_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
-        return pc_store_fail(store, PC_E_IO, name, "cannot write");
-    return PC_OK;
-}
-
-pc_status pc_store_put(pc_store *store, const char *name, pc_store_type type, int rank, const size_t *dims,
-                       const void *data, const char *units, const char *description) {
-    pc_status status = PC_OK;
-    hid_t parent = H5I_INVALID_HID, space = H5I_INVALID_HID, list = H5I_INVALID_HID,
-          dataset = H5I_INVALID_HID;
-    hsize_t sizes[PC_STORE_MAX_RANK], chunk[PC_STORE_MAX_RANK];
-    size_t count = 1;
-    const char *leaf = NULL;
-    for (int k = 0; k < rank; k++)
-        sizes[k] = dims[k], count *= dims[k];
-    size_t bytes = count * pc_store_type_size(type);
-    bool compress = store->compress && bytes >= COMPRESS_FROM;
-    PC_TRY(open_parent(&parent, &leaf, store, name));
-    space = H5Screate_simple(rank, sizes, NULL);
-    list = H5Pcreate(H5P_DATASET_CREATE);
-    if (space < 0 || list < 0 || H5Pset_obj_track_times(list, false) < 0 ||
-        H5Pset_fill_time(list, H5D_FILL_TIME_NEVER) < 0)
-        PC_TRY(pc_store_fail(store, PC_E_BUG, name, "cannot describe the dataset"));
-    if (compress) {
-        pc_deflate_chunk(chunk, rank, sizes, pc_store_type_size(type));
-        if (H5Pset_chunk(list, rank, chunk) < 0 || H5Pset_shuffle(list) < 0 || H5Pset_deflate(list, 1) < 0)
-            PC_TRY(pc_store_fail(store, PC_E_BUG, name, "cannot set up the compression"));
-    }
-    dataset = H5Dcreate2(parent, leaf, pc_store_file_type(type), space, H5P_DEFAULT, list, H5P_DEFAULT);
-    if (dataset < 0) PC_TRY(pc_store_fail(store, PC_E_IO, name, "cannot create the dataset"));
-    if (compress)
-        PC_TRY(pc_deflate_write(store, dataset, name, bytes, (size_t)chunk[0], (size_t)sizes[0],
-                                pc_store_type_size(type), data));
-    else
-        PC_TRY(write_data(store, dataset, name, type, count, data));
-    PC_TRY(pc_store_set_text(store, name, "units", units));
-    PC_TRY(pc_store_set_text(store, name, "description", description));
-done:
-    if (dataset >= 0 && H5Dclose(dataset) < 0 && status == PC_OK)
-        status = pc_store_fail(store, PC_E_IO, name, "cannot write");
-    if (list >= 0) (void)H5Pclose(list);
-    if (space >= 0) (void)H5Sclose(space);
-    if (parent >= 0) (void)H5Gclose(parent);
-    return status;
-}
-
-pc_status pc_store_copy(pc_store *store, pc_store *from, const char *name) {
-    pc_status status = PC_OK;
-    hid_t parent = H5I_INVALID_HID;
-    const char *leaf = NULL;
-    PC_TRY(open_parent(&parent, &leaf, store, name));
-    if (!pc_store_has(from, name)) PC_TRY(pc_store_fail(from, PC_E_FORMAT, name, "missing"));
-    if (H5Ocopy(from->file, name, parent, leaf, H5P_DEFAULT, H5P_DEFAULT) < 0)
-        PC_TRY(pc_store_fail(store, PC_E_IO, name, "cannot copy"));
-done:
-    if (parent >= 0) (void)H5Gclose(parent);
-    return status;
 }

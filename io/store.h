@@ -57,6 +57,9 @@ pc_status pc_store_set_ints(pc_store *store, const char *object, const char *nam
 pc_status pc_store_set_label(pc_store *store, const char *object, const char *name, const char *value);
 /* Copies a group or dataset, with all below it, from `from` under the same name. */
 pc_status pc_store_copy(pc_store *store, pc_store *from, const char *name);
+/* Copies the attributes of the object `source` of `from` to `object`, which becomes a group where it is
+ * missing. */
+pc_status pc_store_copy_attributes(pc_store *store, const char *object, pc_store *from, const char *source);
 /* Finishes the file under its name and frees the store, also on failure; then nothing has appeared under that
  * name.
  * `*store` becomes NULL. */

@@ -150,3 +150,48 @@ done:
     }
     return status;
 }
+
+typedef struct copy_job {
+    pc_store *to;
+    hid_t object;
+} copy_job;
+
+static herr_t copy_attribute(hid_t from, const char *name, const H5A_info_t *info, void *user) {
+    (void)info;
+    const copy_job *job = user;
+    hid_t old = H5Aopen(from, name, H5P_DEFAULT), type = H5Aget_type(old), space = H5Aget_space(old);
+    hid_t copy = H5I_INVALID_HID;
+    hssize_t count = H5Sget_simple_extent_npoints(space);
+    size_t size = H5Tget_size(type);
+    unsigned char *value = NULL;
+    herr_t result = -1;
+    if (count >= 0 && size > 0 &&
+        pc_alloc_bytes((void **)&value, job->to->ctx, (size_t)count, size) ==
+            PC_OK && /* large enough for any */
+        H5Aread(old, type, value) >= 0) {
+        if (H5Aexists(job->object, name) > 0) (void)H5Adelete(job->object, name);
+        copy = H5Acreate2(job->object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+        result = copy < 0 ? -1 : H5Awrite(copy, type, value);
+        (void)H5Dvlen_reclaim(type, space, H5P_DEFAULT, value);
+    }
+    pc_free(job->to->ctx, value);
+    if (copy >= 0) (void)H5Aclose(copy);
+    if (space >= 0) (void)H5Sclose(space);
+    if (type >= 0) (void)H5Tclose(type);
+    if (old >= 0) (void)H5Aclose(old);
+    return result < 0 ? -1 : 0;
+}
+
+pc_status pc_store_copy_attributes(pc_store *store, const char *object, pc_store *from, const char *source) {
+    pc_status status = PC_OK;
+    hid_t old = H5I_INVALID_HID;
+    copy_job job = {.to = store, .object = H5I_INVALID_HID};
+    PC_TRY(pc_store_object(&old, from, source));
+    PC_TRY(pc_store_object(&job.object, store, object));
+    if (H5Aiterate2(old, H5_INDEX_NAME, H5_ITER_INC, NULL, copy_attribute, &job) < 0)
+        PC_TRY(pc_store_fail(store, PC_E_IO, object, "cannot copy the attributes"));
+done:
+    if (job.object >= 0) (void)H5Oclose(job.object);
+    if (old >= 0) (void)H5Oclose(old);
+    return status;
+}

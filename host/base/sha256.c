@@ -16,6 +16,14 @@ static uint32_t turned(uint32_t x, int bits) {
     return (x >> bits) | (x << (32 - bits));
 }
 
+/* One round with the roles of the eight variables rotated by the caller, so that nothing has to be moved. */
+static inline void one_round(uint32_t a, uint32_t b, uint32_t c, uint32_t *d, uint32_t e, uint32_t f,
+                             uint32_t g, uint32_t *h, uint32_t input) {
+    uint32_t sum = *h + (turned(e, 6) ^ turned(e, 11) ^ turned(e, 25)) + (g ^ (e & (f ^ g))) + input;
+    *d += sum;
+    *h = sum + (turned(a, 2) ^ turned(a, 13) ^ turned(a, 22)) + ((a & b) | (c & (a | b)));
+}
+
 static void add_block(uint32_t state[8], const unsigned char *block) {
     uint32_t w[64];
     for (int i = 0; i < 16; i++)
@@ -28,11 +36,16 @@ static void add_block(uint32_t state[8], const unsigned char *block) {
     }
     uint32_t a = state[0], b = state[1], c = state[2], d = state[3];
     uint32_t e = state[4], f = state[5], g = state[6], h = state[7];
-    for (int i = 0; i < 64; i++) {
-        uint32_t choice = (e & f) ^ (~e & g), majority = (a & b) ^ (a & c) ^ (b & c);
-        uint32_t one = h + (turned(e, 6) ^ turned(e, 11) ^ turned(e, 25)) + choice + round_constant[i] + w[i];
-        uint32_t two = (turned(a, 2) ^ turned(a, 13) ^ turned(a, 22)) + majority;
-        h = g, g = f, f = e, e = d + one, d = c, c = b, b = a, a = one + two;
+    for (int i = 0; i < 64; i += 8) {
+        const uint32_t *k = round_constant + i, *v = w + i;
+        one_round(a, b, c, &d, e, f, g, &h, k[0] + v[0]);
+        one_round(h, a, b, &c, d, e, f, &g, k[1] + v[1]);
+        one_round(g, h, a, &b, c, d, e, &f, k[2] + v[2]);
+        one_round(f, g, h, &a, b, c, d, &e, k[3] + v[3]);
+        one_round(e, f, g, &h, a, b, c, &d, k[4] + v[4]);
+        one_round(d, e, f, &g, h, a, b, &c, k[5] + v[5]);
+        one_round(c, d, e, &f, g, h, a, &b, k[6] + v[6]);
+        one_round(b, c, d, &e, f, g, h, &a, k[7] + v[7]);
     }
     state[0] += a, state[1] += b, state[2] += c, state[3] += d;
     state[4] += e, state[5] += f, state[6] += g, state[7] += h;

@@ -25,8 +25,8 @@ static void bounds(double low[3], double high[3], const double *position, size_t
         const double *p = position + 3 * i;
         if (!finite3(p)) continue;
         for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], p[k]);
-            high[k] = fmax(high[k], p[k]);
+            low[k] = p[k] < low[k] ? p[k] : low[k];
+            high[k] = p[k] > high[k] ? p[k] : high[k];
         }
     }
     for (int k = 0; k < 3; k++)
@@ -85,7 +85,8 @@ double pc_camera_frame(pc_camera *camera, const double *position, size_t count, 
         pc_vec3 d = pc_sub(pc_vec3_at(position, i), camera->centre);
         double s = camera->distance / (camera->distance - pc_dot(d, camera->back));
         double x = s * pc_dot(d, camera->right), y = -s * pc_dot(d, camera->up);
-        x0 = fmin(x0, x), x1 = fmax(x1, x), y0 = fmin(y0, y), y1 = fmax(y1, y);
+        x0 = x < x0 ? x : x0, x1 = x > x1 ? x : x1;
+        y0 = y < y0 ? y : y0, y1 = y > y1 ? y : y1;
     }
     if (!(x0 <= x1)) x0 = x1 = y0 = y1 = 0;
     const double margin = 0.93;

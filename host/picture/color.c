@@ -22,8 +22,8 @@ static float ramp(float hue) {
 pc_color pc_color_pastel(uint32_t key) {
     uint64_t hash = pc_hash64(key);
     float hue = 6.0F * (float)(hash & 0xffff) / 65536.0F;
-    float strength = 0.28F + 0.22F * (float)(hash >> 16 & 0xff) / 255.0F;
-    float light = 0.90F + 0.08F * (float)(hash >> 24 & 0xff) / 255.0F;
+    float strength = 0.20F + 0.18F * (float)(hash >> 16 & 0xff) / 255.0F;
+    float light = 0.91F + 0.08F * (float)(hash >> 24 & 0xff) / 255.0F;
     pc_color c = 0;
     for (int k = 0; k < 3; k++) {
         float channel = light * (1 - strength * (1 - ramp(hue + 4.0F * (float)k)));

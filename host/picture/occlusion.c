@@ -1,5 +1,6 @@
 #include "occlusion.h"
 #include "memory.h"
+#include "pick.h"
 #include "random.h"
 
 typedef struct heights {
@@ -19,28 +20,40 @@ static float pair_rise(const heights *h, int x, int y, int dx, int dy, float r) 
     float z = height_at(h, x, y), a = (height_at(h, x + dx, y + dy) - z) / r;
     float b = (height_at(h, x - dx, y - dy) - z) / r;
     if (a < -2.5F * steep || b < -2.5F * steep) {
-        float rest = fmaxf(a, b);
-        return rest > 0 && a + b > 0 ? fminf(rest, steep) * 0.5F : 0;
+        float rest = pc_greater(a, b);
+        return rest > 0 && a + b > 0 ? pc_lesser(rest, steep) * 0.5F : 0;
     }
-    return fmaxf(-steep, fminf(steep, 0.5F * (a + b)));
+    return pc_greater(-steep, pc_lesser(steep, 0.5F * (a + b)));
 }
 
-static float hollow(const heights *h, int x, int y, float unit) {
-    static const float radius[] = {1.0F, 2.6F, 6.5F, 15.0F};
-    static const float weight[] = {0.6F, 0.9F, 1.1F, 1.1F};
-    /* a 4x4 pattern of start angles: the blur after it averages exactly one of each */
-    int pattern = (x & 3) + 4 * (y & 3);
-    float turn = (float)((pattern * 7) & 15) / 16.0F, sum = 0;
-    for (int k = 0; k < 4; k++) {
-        float r = radius[k] * unit;
-        for (int j = 0; j < 3; j++) {
-            float angle = (float)PC_PI * ((float)j + turn) / 3.0F + 0.4F * (float)k;
-            int dx = (int)lrintf(r * cosf(angle)), dy = (int)lrintf(r * sinf(angle));
-            if (dx == 0 && dy == 0) dx = 1;
-            sum += weight[k] * pair_rise(h, x, y, dx, dy, sqrtf((float)(dx * dx + dy * dy)));
+enum { RADII = 4, PAIRS = 3 * RADII };
+
+typedef struct offset {
+    int dx, dy;
+    float length, weight;
+} offset;
+
+/* Where to look, turned anew for each pixel of a 4x4 pattern: the blur after it averages exactly one of each.
+ */
+static void make_offsets(offset table[16][PAIRS], float unit) {
+    static const float radius[RADII] = {1.0F, 2.6F, 6.5F, 15.0F};
+    static const float weight[RADII] = {0.6F, 0.9F, 1.1F, 1.1F};
+    for (int pattern = 0; pattern < 16; pattern++)
+        for (int k = 0; k < PAIRS; k++) {
+            offset *o = &table[pattern][k];
+            float turn = (float)((pattern * 7) & 15) / 16.0F, r = pc_greater(1, radius[k / 3] * unit);
+            float angle = (float)PC_PI * ((float)(k % 3) + turn) / 3.0F + 0.4F * (float)(k / 3);
+            o->dx = (int)lrintf(r * cosf(angle)), o->dy = (int)lrintf(r * sinf(angle));
+            o->length = sqrtf((float)(o->dx * o->dx + o->dy * o->dy));
+            o->weight = weight[k / 3] / 3.0F;
         }
-    }
-    return -sum / 3.0F;
+}
+
+static float hollow(const heights *h, int x, int y, const offset *table) {
+    float sum = 0;
+    for (int k = 0; k < PAIRS; k++)
+        sum += table[k].weight * pair_rise(h, x, y, table[k].dx, table[k].dy, table[k].length);
+    return -sum;
 }
 
 /* Average over 4 x 4 pixels of about the same depth. */
@@ -65,6 +78,8 @@ pc_status pc_occlusion_make(float *shade, pc_context *ctx, const pc_picture *pic
     PC_TRY(pc_new(&rough, ctx, total));
     heights h = {z, picture->width, pane->box[0] / s, pane->box[1] / s, pane->box[2] / s, pane->box[3] / s};
     float scale = (float)pane->camera.scale / (float)s, unit = (float)picture->height / 800.0F;
+    offset table[16][PAIRS];
+    make_offsets(table, unit);
 #pragma omp parallel
     {
 #pragma omp for schedule(static)
@@ -79,7 +94,7 @@ pc_status pc_occlusion_make(float *shade, pc_context *ctx, const pc_picture *pic
         for (int y = h.y0; y < h.y1; y++)
             for (int x = h.x0; x < h.x1; x++) {
                 size_t i = (size_t)y * (size_t)h.width + (size_t)x;
-                rough[i] = isfinite(z[i]) ? hollow(&h, x, y, unit) : 0;
+                rough[i] = isfinite(z[i]) ? hollow(&h, x, y, table[(x & 3) + 4 * (y & 3)]) : 0;
             }
 #pragma omp for schedule(dynamic, 8)
         for (int y = h.y0; y < h.y1; y++)

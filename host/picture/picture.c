@@ -5,7 +5,7 @@
 enum { LEGEND_WIDTH = 150 };
 
 static pc_color background(int row, int rows) {
-    return pc_color_mix(0xfdfdfc, 0xe7eaed, (float)row / (float)rows);
+    return pc_color_mix(0xfdfdfc, 0xebeef0, (float)row / (float)rows);
 }
 
 /* Shrinks a framed view about the middle of its pane, so that both panes show the model equally large. */
@@ -75,12 +75,14 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
     PC_TRY(pc_new(&picture->depth, ctx, total));
     PC_TRY(pc_new(&picture->color, ctx, total));
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < picture->rows; y++)
+    for (int y = 0; y < picture->rows; y++) {
+        pc_color color = background(y, picture->rows);
         for (int x = 0; x < picture->columns; x++) {
             size_t i = (size_t)y * (size_t)picture->columns + (size_t)x;
             picture->depth[i] = -INFINITY;
-            picture->color[i] = background(y, picture->rows);
+            picture->color[i] = color;
         }
+    }
 done:
     if (status != PC_OK) pc_picture_free(picture, ctx);
     return status;
@@ -92,25 +94,34 @@ void pc_picture_free(pc_picture *picture, pc_context *ctx) {
     *picture = (pc_picture){0};
 }
 
+enum { RIM_WEIGHT = 2, CORE_WEIGHT = 6 };
+
+/* A pixel is the average of its samples and, at a third of the weight, of those just around it: edges get
+ * smoother than the samples inside alone could make them. */
+static void mix_pixel(uint8_t out[3], const pc_picture *picture, int x, int y) {
+    int s = picture->samples, rim = s > 1;
+    unsigned sum[3] = {0, 0, 0}, total = 0;
+    for (int j = y * s - rim; j < (y + 1) * s + rim; j++)
+        for (int i = x * s - rim; i < (x + 1) * s + rim; i++) {
+            if (i < 0 || j < 0 || i >= picture->columns || j >= picture->rows) continue;
+            pc_color c = picture->color[(size_t)j * (size_t)picture->columns + (size_t)i];
+            unsigned weight = (i / s == x && i >= x * s ? CORE_WEIGHT : RIM_WEIGHT);
+            weight *= (j / s == y && j >= y * s ? CORE_WEIGHT : RIM_WEIGHT);
+            for (int k = 0; k < 3; k++)
+                sum[k] += weight * (unsigned)pc_color_channel(c, k);
+            total += weight;
+        }
+    for (int k = 0; k < 3; k++)
+        out[k] = (uint8_t)((sum[k] + total / 2) / total);
+}
+
 pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture *picture) {
-    int s = picture->samples;
     pc_status status = pc_new(pixels, ctx, 3 * (size_t)picture->width * (size_t)picture->height);
     if (status != PC_OK) return status;
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < picture->height; y++)
-        for (int x = 0; x < picture->width; x++) {
-            unsigned sum[3] = {0, 0, 0};
-            for (int j = 0; j < s; j++) {
-                const pc_color *c =
-                    picture->color + (size_t)(y * s + j) * (size_t)picture->columns + (size_t)x * s;
-                for (int i = 0; i < s; i++)
-                    for (int k = 0; k < 3; k++)
-                        sum[k] += (unsigned)pc_color_channel(c[i], k);
-            }
-            uint8_t *out = *pixels + 3 * ((size_t)y * (size_t)picture->width + (size_t)x);
-            for (int k = 0; k < 3; k++)
-                out[k] = (uint8_t)((sum[k] + (unsigned)(s * s) / 2) / (unsigned)(s * s));
-        }
+        for (int x = 0; x < picture->width; x++)
+            mix_pixel(*pixels + 3 * ((size_t)y * (size_t)picture->width + (size_t)x), picture, x, y);
     return PC_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "raster.h"
 #include "memory.h"
+#include "pick.h"
 #include "tiles.h"
 
 enum { SUB = 256 }; /* steps per sample: edges are tested in whole numbers, so that neighbours leave no gap */
@@ -15,10 +16,10 @@ void pc_raster_project(float *screen, const pc_camera *camera, const double *pos
 }
 
 static float min3(float a, float b, float c) {
-    return fminf(a, fminf(b, c));
+    return pc_lesser(a, pc_lesser(b, c));
 }
 static float max3(float a, float b, float c) {
-    return fmaxf(a, fmaxf(b, c));
+    return pc_greater(a, pc_greater(b, c));
 }
 
 static pc_span triangle_span(const float *a, const float *b, const float *c, const int box[4]) {
@@ -62,7 +63,7 @@ static void draw_triangle(pc_picture *picture, pc_index *owner, const float *a, 
         for (int x = s.x0; x <= s.x1; x++) {
             if ((e0 | e1 | e2) >= 0) {
                 float depth = a[2] + inverse * ((float)e1 * db + (float)e2 * dc);
-                depth = fminf(fmaxf(depth, low), high);
+                depth = pc_lesser(pc_greater(depth, low), high);
                 if (depth > picture->depth[line + (size_t)x]) {
                     picture->depth[line + (size_t)x] = depth;
                     owner[line + (size_t)x] = face;

@@ -35,10 +35,11 @@ static pc_vec3 direction_at(pc_vec3 *normal, const pc_field *field, const pc_ind
     return pc_add(pc_scale(cos(angle), x), pc_scale(sin(angle), y));
 }
 
-static void put_stroke(pc_stroke *stroke, pc_vec3 a, pc_vec3 b, pc_color color, float width) {
+static void put_stroke(pc_stroke *stroke, pc_vec3 a, pc_vec3 b, pc_vec3 n, float width) {
     pc_vec3_put(stroke->from, 0, a);
     pc_vec3_put(stroke->to, 0, b);
-    stroke->color = color, stroke->width = width;
+    stroke->normal[0] = (float)n.x, stroke->normal[1] = (float)n.y, stroke->normal[2] = (float)n.z;
+    stroke->color = ink, stroke->width = width;
 }
 
 static pc_vec3 face_point(const pc_mesh *mesh, size_t face, const float w[3]) {
@@ -53,15 +54,15 @@ static size_t put_glyph(pc_stroke *stroke, pc_vec3 p, pc_vec3 x, pc_vec3 n, int 
                         float width) {
     pc_vec3 y = pc_cross(n, x);
     if (symmetry != 4) half *= 1.2;
-    put_stroke(stroke, pc_madd(p, -half, x), pc_madd(p, half, x), ink, width);
+    put_stroke(stroke, pc_madd(p, -half, x), pc_madd(p, half, x), n, width);
     if (symmetry == 4) {
-        put_stroke(stroke + 1, pc_madd(p, -half, y), pc_madd(p, half, y), ink, width);
+        put_stroke(stroke + 1, pc_madd(p, -half, y), pc_madd(p, half, y), n, width);
         return 2;
     }
     if (symmetry != 1) return 1;
     pc_vec3 tip = pc_madd(p, half, x), barb = pc_madd(tip, -0.6 * half, x);
-    put_stroke(stroke + 1, tip, pc_madd(barb, 0.4 * half, y), ink, width);
-    put_stroke(stroke + 2, tip, pc_madd(barb, -0.4 * half, y), ink, width);
+    put_stroke(stroke + 1, tip, pc_madd(barb, 0.4 * half, y), n, width);
+    put_stroke(stroke + 2, tip, pc_madd(barb, -0.4 * half, y), n, width);
     return 3;
 }
 
@@ -70,7 +71,7 @@ static pc_status draw_glyphs(pc_picture *picture, pc_context *ctx, const pc_mesh
     pc_status status;
     pc_scatter scatter = {0};
     pc_stroke *stroke = NULL;
-    double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0), spacing = 15 * pixel;
+    double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0), spacing = 19 * pixel;
     PC_TRY(pc_scatter_make(&scatter, ctx, mesh, spacing));
     PC_TRY(pc_new(&stroke, ctx, 3 * scatter.count));
     size_t lines = 0;
@@ -80,7 +81,7 @@ static pc_status draw_glyphs(pc_picture *picture, pc_context *ctx, const pc_mesh
         if (!isfinite(x.x + x.y + x.z)) continue;
         pc_vec3 p = face_point(mesh, scatter.face[i], w);
         lines += put_glyph(stroke + lines, p, x, n, field->symmetry, 0.46 * spacing,
-                           1.25F * (float)picture->height / 1200);
+                           1.5F * (float)picture->height / 1200);
     }
     PC_TRY(pc_stroke_draw(picture, ctx, stroke, lines, 0.3 * spacing));
 done:

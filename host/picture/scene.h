@@ -32,13 +32,14 @@ pc_status pc_scene_values(pc_picture *picture, pc_context *ctx, const pc_mesh *m
 pc_status pc_scene_param(pc_picture *picture, pc_context *ctx, const pc_mesh *mesh, const pc_param *param);
 
 /* The quads: edges, faces other than quads tinted by their sides (T-junctions on straight sides do not
- * count), balls at interior vertices of other valence than 4 (3 red, 5 blue, more or less: violet). */
+ * count), balls at interior vertices of other valence than 4 (3 red, 5 blue, more violet, less orange), small
+ * orange ones at T-junctions. */
 pc_status pc_scene_quads(pc_picture *picture, pc_context *ctx, const pc_polymesh *quads);
 
 /* The cells in soft colours of their own, the arcs between them, the nodes. */
 pc_status pc_scene_layout(pc_picture *picture, pc_context *ctx, const pc_layout *layout);
 
 /* One line of text in the lower left corner. */
-void pc_scene_caption(pc_picture *picture, const char *text);
+pc_status pc_scene_caption(pc_picture *picture, pc_context *ctx, const char *text);
 
 #endif

@@ -92,13 +92,23 @@ done:
     return status;
 }
 
+static pc_vec3 polygon_normal(const pc_polymesh *q, pc_index face) {
+    pc_vec3 n = {0, 0, 0}, a = pc_vec3_at(q->position, q->corner[q->start[face]]);
+    for (pc_index c = q->start[face] + 1; c + 1 < q->start[face + 1]; c++)
+        n = pc_add(n, pc_cross(pc_sub(pc_vec3_at(q->position, q->corner[c]), a),
+                               pc_sub(pc_vec3_at(q->position, q->corner[c + 1]), a)));
+    return pc_unit(n);
+}
+
 static pc_status draw_edges(pc_picture *picture, pc_context *ctx, const pc_polymesh *q, double bias,
                             float width) {
     pc_stroke *stroke = NULL;
     size_t count = 0;
     pc_status status = pc_new(&stroke, ctx, q->start[q->face_count]);
     if (status != PC_OK) return status;
-    for (pc_index f = 0; f < q->face_count; f++)
+    for (pc_index f = 0; f < q->face_count; f++) {
+        if (q->start[f + 1] - q->start[f] < 3) continue;
+        pc_vec3 n = polygon_normal(q, f);
         for (pc_index c = q->start[f]; c < q->start[f + 1]; c++) {
             pc_index a = q->corner[c], b = q->corner[c + 1 < q->start[f + 1] ? c + 1 : q->start[f]];
             /* drawn from both sides: the same line twice covers the same samples */
@@ -106,8 +116,10 @@ static pc_status draw_edges(pc_picture *picture, pc_context *ctx, const pc_polym
             pc_stroke *s = &stroke[count++];
             pc_vec3_put(s->from, 0, p);
             pc_vec3_put(s->to, 0, r);
+            s->normal[0] = (float)n.x, s->normal[1] = (float)n.y, s->normal[2] = (float)n.z;
             s->color = 0x1e3346, s->width = width;
         }
+    }
     status = pc_stroke_draw(picture, ctx, stroke, count, bias);
     pc_free(ctx, stroke);
     return status;
@@ -147,6 +159,12 @@ static pc_color valence_color(int valence) {
     return valence < 3 ? 0xf08a24 : 0x7a3fa8;
 }
 
+static void put_ball(pc_ball *ball, const pc_polymesh *q, size_t vertex, float radius, pc_color color) {
+    pc_vec3_put(ball->centre, 0, pc_vec3_at(q->position, vertex));
+    ball->radius = radius, ball->color = color;
+}
+
+/* Balls at irregular vertices, and smaller ones at T-junctions. */
 static pc_status draw_irregular(pc_picture *picture, pc_context *ctx, const pc_polymesh *q, double edge) {
     pc_status status;
     uint8_t *valence = NULL;
@@ -155,16 +173,18 @@ static pc_status draw_irregular(pc_picture *picture, pc_context *ctx, const pc_p
     PC_TRY(make_valence(&valence, ctx, q));
     for (size_t v = 0; v < q->vertex_count; v++)
         count += valence[v] != 0 && valence[v] != 4;
+    size_t corners = q->corner_flat ? q->start[q->face_count] : 0;
+    for (size_t c = 0; c < corners; c++)
+        count += q->corner_flat[c];
     PC_TRY(pc_new(&ball, ctx, count));
     double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0);
-    double radius = fmin(6 * pixel, fmax(2 * pixel, 0.2 * edge));
+    float radius = (float)fmin(6 * pixel, fmax(2 * pixel, 0.2 * edge));
     count = 0;
-    for (size_t v = 0; v < q->vertex_count; v++) {
-        if (valence[v] == 0 || valence[v] == 4) continue;
-        pc_ball *b = &ball[count++];
-        pc_vec3_put(b->centre, 0, pc_vec3_at(q->position, v));
-        b->radius = (float)radius, b->color = valence_color(valence[v]);
-    }
+    for (size_t v = 0; v < q->vertex_count; v++)
+        if (valence[v] != 0 && valence[v] != 4)
+            put_ball(&ball[count++], q, v, radius, valence_color(valence[v]));
+    for (size_t c = 0; c < corners; c++)
+        if (q->corner_flat[c]) put_ball(&ball[count++], q, q->corner[c], 0.55F * radius, 0xe8912a);
     PC_TRY(pc_ball_draw(picture, ctx, ball, count));
 done:
     pc_free(ctx, valence);

@@ -1,5 +1,6 @@
 #include "stroke.h"
 #include "memory.h"
+#include "pick.h"
 #include "tiles.h"
 #include <string.h>
 
@@ -22,8 +23,8 @@ static float depth_at(const pc_picture *picture, int x, int y) {
  * the surface and not of an edge against the background. */
 static float surface_slope(const pc_picture *picture, int x, int y) {
     float d = depth_at(picture, x, y);
-    float sx = fminf(fabsf(depth_at(picture, x + 1, y) - d), fabsf(depth_at(picture, x - 1, y) - d));
-    float sy = fminf(fabsf(depth_at(picture, x, y + 1) - d), fabsf(depth_at(picture, x, y - 1) - d));
+    float sx = pc_lesser(fabsf(depth_at(picture, x + 1, y) - d), fabsf(depth_at(picture, x - 1, y) - d));
+    float sy = pc_lesser(fabsf(depth_at(picture, x, y + 1) - d), fabsf(depth_at(picture, x, y - 1) - d));
     float slope = sx + sy;
     return isfinite(slope) ? slope : 0;
 }
@@ -33,7 +34,7 @@ static int visible(const pc_picture *picture, float x, float y, float depth, flo
     int i = (int)x, j = (int)y;
     float limit = depth + bias, nearest = depth_at(picture, i, j);
     if (nearest <= limit) return 1;
-    return nearest <= limit + fminf(surface_slope(picture, i, j), 12 * bias);
+    return nearest <= limit + pc_lesser(surface_slope(picture, i, j), 12 * bias);
 }
 
 static void cover_line(cover *tile, const pc_picture *picture, const screen_line *l, pc_span s, int x0,
@@ -47,7 +48,7 @@ static void cover_line(cover *tile, const pc_picture *picture, const screen_line
             t = t < 0 ? 0 : t > 1 ? 1 : t;
             float ex = px - t * dx, ey = py - t * dy, distance2 = ex * ex + ey * ey, reach = l->half + 0.5F;
             if (distance2 >= reach * reach) continue;
-            float weight = fminf(1, reach - sqrtf(distance2)) * fminf(1, 2 * l->half);
+            float weight = pc_lesser(1, reach - sqrtf(distance2)) * pc_lesser(1, 2 * l->half);
             if (weight <= tile->weight[y - y0][x - x0]) continue;
             float depth = l->a[2] + t * (l->b[2] - l->a[2]);
             if (!visible(picture, l->a[0] + t * dx, l->a[1] + t * dy, depth, bias)) continue;
@@ -78,28 +79,19 @@ static pc_span line_span(const screen_line *l, const int box[4]) {
     pc_span span;
     float r = l->half + 0.5F;
     if (!isfinite(l->a[2] + l->b[2])) return PC_SPAN_NONE;
-    pc_span_cut(&span.x0, &span.x1, fminf(l->a[0], l->b[0]) - r, fmaxf(l->a[0], l->b[0]) + r, box[0], box[2]);
-    pc_span_cut(&span.y0, &span.y1, fminf(l->a[1], l->b[1]) - r, fmaxf(l->a[1], l->b[1]) + r, box[1], box[3]);
+    pc_span_cut(&span.x0, &span.x1, pc_lesser(l->a[0], l->b[0]) - r, pc_greater(l->a[0], l->b[0]) + r, box[0],
+                box[2]);
+    pc_span_cut(&span.y0, &span.y1, pc_lesser(l->a[1], l->b[1]) - r, pc_greater(l->a[1], l->b[1]) + r, box[1],
+                box[3]);
     return span;
 }
 
-static pc_status draw_strokes(pc_picture *picture, pc_context *ctx, const pc_pane *pane,
-                              const pc_stroke *stroke, size_t count, double bias) {
-    pc_status status;
-    screen_line *line = NULL;
-    pc_span *span = NULL;
+/* Draws lines that are already on the screen, within their spans. */
+static pc_status draw_lines(pc_picture *picture, pc_context *ctx, const screen_line *line,
+                            const pc_span *span, const pc_stroke *stroke, size_t count, float lift) {
     pc_tiles tiles = {0};
-    PC_TRY(pc_new(&line, ctx, count));
-    PC_TRY(pc_new(&span, ctx, count));
-#pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < count; i++) {
-        pc_camera_project(line[i].a, &pane->camera, pc_vec3_at(stroke[i].from, 0));
-        pc_camera_project(line[i].b, &pane->camera, pc_vec3_at(stroke[i].to, 0));
-        line[i].half = 0.5F * stroke[i].width * (float)picture->samples;
-        span[i] = line_span(&line[i], pane->box);
-    }
-    PC_TRY(pc_tiles_make(&tiles, ctx, picture->columns, picture->rows, span, count));
-    float lift = (float)(bias / pane->camera.distance);
+    pc_status status = pc_tiles_make(&tiles, ctx, picture->columns, picture->rows, span, count);
+    if (status != PC_OK) return status;
 #pragma omp parallel for schedule(dynamic, 4)
     for (size_t t = 0; t < (size_t)tiles.columns * (size_t)tiles.rows; t++) {
         int x0 = (int)(t % (size_t)tiles.columns) * PC_TILE, y0 = (int)(t / (size_t)tiles.columns) * PC_TILE;
@@ -112,8 +104,47 @@ static pc_status draw_strokes(pc_picture *picture, pc_context *ctx, const pc_pan
         }
         blend_tile(picture, &tile, x0, y0);
     }
-done:
     pc_tiles_free(&tiles, ctx);
+    return PC_OK;
+}
+
+/* 0 where the line is seen from behind, 1 where it is seen well, between in grazing views: fields and lines
+ * would turn the rim of a model black otherwise. */
+static float presence(const pc_camera *c, const pc_stroke *stroke) {
+    pc_vec3 n = {stroke->normal[0], stroke->normal[1], stroke->normal[2]};
+    pc_vec3 p = pc_sub(pc_vec3_at(stroke->from, 0), c->centre);
+    double facing = pc_dot(n, pc_unit(pc_sub(pc_scale(c->distance, c->back), p)));
+    if (pc_dot(n, n) < 0.5) return 1;
+    return facing <= 0 ? 0 : facing >= 0.18 ? 1 : (float)(facing / 0.18);
+}
+
+/* On one pane, or, where `pane` is NULL, flat on the picture. */
+static pc_status draw_strokes(pc_picture *picture, pc_context *ctx, const pc_pane *pane,
+                              const pc_stroke *stroke, size_t count, double bias) {
+    pc_status status;
+    screen_line *line = NULL;
+    pc_span *span = NULL;
+    const int whole[4] = {0, 0, picture->columns, picture->rows};
+    float s = (float)picture->samples;
+    PC_TRY(pc_new(&line, ctx, count));
+    PC_TRY(pc_new(&span, ctx, count));
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < count; i++) {
+        screen_line *l = &line[i];
+        l->half = 0.5F * stroke[i].width * s;
+        if (pane) {
+            pc_camera_project(l->a, &pane->camera, pc_vec3_at(stroke[i].from, 0));
+            pc_camera_project(l->b, &pane->camera, pc_vec3_at(stroke[i].to, 0));
+        } else {
+            l->a[0] = (float)stroke[i].from[0] * s, l->a[1] = (float)stroke[i].from[1] * s;
+            l->b[0] = (float)stroke[i].to[0] * s, l->b[1] = (float)stroke[i].to[1] * s;
+        }
+        if (pane) l->half *= presence(&pane->camera, &stroke[i]);
+        span[i] = l->half > 0 ? line_span(l, pane ? pane->box : whole) : PC_SPAN_NONE;
+    }
+    float lift = pane ? (float)(bias / pane->camera.distance) : INFINITY;
+    PC_TRY(draw_lines(picture, ctx, line, span, stroke, count, lift));
+done:
     pc_free(ctx, span);
     pc_free(ctx, line);
     return status;
@@ -127,6 +158,10 @@ pc_status pc_stroke_draw(pc_picture *picture, pc_context *ctx, const pc_stroke *
     return status;
 }
 
+pc_status pc_stroke_draw_flat(pc_picture *picture, pc_context *ctx, const pc_stroke *stroke, size_t count) {
+    return draw_strokes(picture, ctx, NULL, stroke, count, 0);
+}
+
 typedef struct disk { /* a ball on the screen */
     float centre[3];  /* column, row, depth */
     float radius;     /* samples */
@@ -134,8 +169,8 @@ typedef struct disk { /* a ball on the screen */
 } disk;
 
 static pc_color ball_color(pc_color base, float x, float y, float z) {
-    float light = 0.62F + 0.38F * fmaxf(0, -0.5F * x - 0.6F * y + 0.62F * z);
-    float gloss = fmaxf(0, -0.33F * x - 0.40F * y + 0.86F * z);
+    float light = 0.62F + 0.38F * pc_greater(0, -0.5F * x - 0.6F * y + 0.62F * z);
+    float gloss = pc_greater(0, -0.33F * x - 0.40F * y + 0.86F * z);
     gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss;
     pc_color c = pc_color_mix(0x101010, base, light * (0.55F + 0.45F * z));
     return pc_color_mix(c, 0xffffff, 0.55F * gloss * gloss);

@@ -7,6 +7,7 @@
 
 typedef struct pc_stroke {
     double from[3], to[3]; /* the line's ends, model units */
+    float normal[3];       /* of the surface it lies on: seen only from that side. Zero: from both */
     pc_color color;
     float width; /* pixels */
 } pc_stroke;
@@ -22,6 +23,8 @@ typedef struct pc_ball {
  * against what is drawn; lines leave no depth. */
 pc_status pc_stroke_draw(pc_picture *picture, pc_context *ctx, const pc_stroke *stroke, size_t count,
                          double bias);
+/* Lines on the picture itself: ends are column and row in pixels, nothing hides them. */
+pc_status pc_stroke_draw_flat(pc_picture *picture, pc_context *ctx, const pc_stroke *stroke, size_t count);
 /* Shaded balls that hide and are hidden by depth. */
 pc_status pc_ball_draw(pc_picture *picture, pc_context *ctx, const pc_ball *ball, size_t count);
 

@@ -1,10 +1,11 @@
 #include "surface.h"
 #include "memory.h"
 #include "occlusion.h"
+#include "pick.h"
 #include "raster.h"
 
 typedef struct lights {
-    pc_vec3 key, half, fill, up, back;
+    float key[3], half[3], fill[3], up[3], back[3]; /* unit, from the surface to the light */
 } lights;
 
 typedef struct tone {
@@ -18,7 +19,7 @@ typedef struct facet {
     const pc_index *v;
     const float *a, *b, *c; /* projected corners */
     float inverse;          /* of twice the area on the screen */
-    pc_vec3 normal;         /* of the face, unit */
+    float normal[3];        /* of the face, unit; only where the surface is not all smooth */
 } facet;
 
 typedef struct shader {
@@ -73,16 +74,17 @@ void pc_surface_normals(float *normal, const double *position, pc_index vertex_c
     }
 }
 
-static pc_vec3 in_view(const pc_camera *c, double x, double y, double z) {
-    return pc_unit(pc_add(pc_add(pc_scale(x, c->right), pc_scale(y, c->up)), pc_scale(z, c->back)));
+static void in_view(float out[3], const pc_camera *c, double x, double y, double z) {
+    pc_vec3 v = pc_unit(pc_add(pc_add(pc_scale(x, c->right), pc_scale(y, c->up)), pc_scale(z, c->back)));
+    out[0] = (float)v.x, out[1] = (float)v.y, out[2] = (float)v.z;
 }
 
-static lights make_lights(const pc_camera *c) {
-    lights l = {.key = in_view(c, -0.5, 0.65, 0.7), .fill = in_view(c, 0.9, -0.1, 0.45)};
-    l.half = pc_unit(pc_add(l.key, c->back));
-    l.up = in_view(c, 0, 1, 0.15);
-    l.back = c->back;
-    return l;
+static void make_lights(lights *l, const pc_camera *c) {
+    in_view(l->key, c, -0.5, 0.65, 0.7);
+    in_view(l->fill, c, 0.9, -0.1, 0.45);
+    in_view(l->half, c, -0.25, 0.33, 0.85); /* about half way between the key light and the viewer */
+    in_view(l->up, c, 0, 1, 0.15);
+    in_view(l->back, c, 0, 0, 1);
 }
 
 static void make_tone(tone *t) {
@@ -92,29 +94,49 @@ static void make_tone(tone *t) {
         t->encoded[i] = (uint8_t)pc_color_from_linear((float)i / 4095.0F);
 }
 
-static pc_color lit(const shader *s, pc_color base, pc_vec3 n, float shade) {
-    const lights *l = &s->light;
-    double facing = pc_dot(n, l->back);
+static float dot3(const float a[3], const float b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void unit3(float v[3]) {
+    float square = dot3(v, v), inverse = square > 0 ? 1 / sqrtf(square) : 0;
+    v[0] *= inverse, v[1] *= inverse, v[2] *= inverse;
+}
+
+/* Light from the key, fill and sky lights, and the gloss of the key light, on a surface with normal n. */
+static float light_on(float *gloss, const lights *l, const float n[3], float facing) {
+    float key = pc_greater(0, 0.88F * dot3(n, l->key) + 0.12F), fill = pc_greater(0, dot3(n, l->fill));
+    float g = pc_greater(0, dot3(n, l->half));
+    g *= g, g *= g, g *= g, g *= g;
+    *gloss = 0.07F * g * g; /* 32nd power */
+    float light = 0.33F + 0.19F * dot3(n, l->up) + 0.72F * key + 0.13F * fill;
+    return light * (0.80F + 0.20F * facing); /* rims turn a little darker */
+}
+
+static pc_color lit(const shader *s, pc_color base, float n[3], float shade) {
+    float facing = dot3(n, s->light.back), gloss;
     int behind = facing < 0;
-    if (behind) n = pc_scale(-1, n), facing = -facing;
-    float key = (float)pc_dot(n, l->key), fill = (float)pc_dot(n, l->fill), sky = (float)pc_dot(n, l->up);
-    float gloss = (float)pc_dot(n, l->half);
-    key = fmaxf(0, 0.88F * key + 0.12F);
-    fill = fmaxf(0, fill);
-    float light = 0.30F + 0.20F * sky + 0.72F * key + 0.13F * fill;
-    light *= 0.80F + 0.20F * (float)facing; /* rims turn a little darker */
+    if (behind) n[0] = -n[0], n[1] = -n[1], n[2] = -n[2], facing = -facing;
+    float light = light_on(&gloss, &s->light, n, facing);
+    light += s->surface->even * (1 - light);
     float dark = shade < 0 ? shade : 0.35F * shade;
-    light *= fmaxf(0.25F, fminf(1.25F, 1 + 0.62F * s->surface->cavity * dark));
-    gloss = gloss > 0 ? gloss * gloss : 0;
-    gloss *= gloss, gloss *= gloss, gloss *= gloss, gloss *= gloss; /* 32nd power */
-    float spot = behind ? 0 : 0.07F * gloss * (shade < 0 ? fmaxf(0, 1 + shade) : 1);
-    if (behind) base = pc_color_mix(base, 0x8a6f5c, 0.45F), light *= 0.8F;
+    light *= pc_greater(0.25F, pc_lesser(1.25F, 1 + 0.62F * s->surface->cavity * dark));
+    if (shade < 0) gloss *= pc_greater(0, 1 + shade);
+    if (behind) base = pc_color_mix(base, 0x8a6f5c, 0.45F), light *= 0.8F, gloss = 0;
     pc_color out = 0;
     for (int k = 0; k < 3; k++) {
-        float v = s->tone.linear[pc_color_channel(base, k)] * light + spot;
+        float v = s->tone.linear[pc_color_channel(base, k)] * light + gloss;
         out = out << 8 | s->tone.encoded[v >= 1 ? 4095 : v > 0 ? (int)(4095 * v) : 0];
     }
     return out;
+}
+
+/* The face's own normal, or that of the n-gon it is part of. */
+static void flat_normal(float n[3], const shader *s, const facet *t) {
+    const pc_surface *f = s->surface;
+    pc_vec3 m =
+        s->owner_normal ? s->owner_normal[f->face_owner[t->face]] : pc_unit(face_normal(f->position, t->v));
+    n[0] = (float)m.x, n[1] = (float)m.y, n[2] = (float)m.z;
 }
 
 static void take_facet(facet *t, const shader *s, pc_index face) {
@@ -125,8 +147,7 @@ static void take_facet(facet *t, const shader *s, pc_index face) {
     t->c = s->screen + 3 * (size_t)t->v[2];
     float area = (t->b[0] - t->a[0]) * (t->c[1] - t->a[1]) - (t->b[1] - t->a[1]) * (t->c[0] - t->a[0]);
     t->inverse = area != 0 ? 1 / area : 0;
-    t->normal =
-        s->owner_normal ? s->owner_normal[f->face_owner[face]] : pc_unit(face_normal(f->position, t->v));
+    if (f->flat > 0) flat_normal(t->normal, s, t);
 }
 
 /* Weights of the corners at a sample, corrected for perspective: depth + 1 grows as 1/distance. */
@@ -134,7 +155,7 @@ static void corner_weights(float w[3], const facet *t, float x, float y) {
     const float *a = t->a, *b = t->b, *c = t->c;
     w[1] = ((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0])) * t->inverse;
     w[2] = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) * t->inverse;
-    w[1] = fminf(fmaxf(w[1], 0), 1), w[2] = fminf(fmaxf(w[2], 0), 1 - w[1]);
+    w[1] = pc_lesser(pc_greater(w[1], 0), 1), w[2] = pc_lesser(pc_greater(w[2], 0), 1 - w[1]);
     w[0] = 1 - w[1] - w[2];
     w[0] *= a[2] + 1, w[1] *= b[2] + 1, w[2] *= c[2] + 1;
     float inverse = 1 / (w[0] + w[1] + w[2]);
@@ -146,16 +167,19 @@ static pc_color shaded(const shader *s, const facet *t, float x, float y, float 
     const pc_surface *f = s->surface;
     float w[3];
     corner_weights(w, t, x, y);
-    pc_vec3 n = t->normal;
-    if (f->flat < 1) {
-        pc_vec3 smooth = {0, 0, 0};
-        for (int k = 0; k < 3; k++) {
-            const float *m = s->normal + 3 * (size_t)t->v[k];
-            smooth = pc_madd(smooth, w[k], (pc_vec3){m[0], m[1], m[2]});
-        }
-        if (pc_dot(smooth, smooth) > 1e-6)
-            n = pc_unit(pc_add(pc_scale(1 - f->flat, pc_unit(smooth)), pc_scale(f->flat, n)));
+    float n[3] = {0, 0, 0};
+    for (int k = 0; k < 3 && f->flat < 1; k++) {
+        const float *m = s->normal + 3 * (size_t)t->v[k];
+        n[0] += w[k] * m[0], n[1] += w[k] * m[1], n[2] += w[k] * m[2];
     }
+    if (f->flat > 0) {
+        unit3(n);
+        for (int k = 0; k < 3; k++)
+            n[k] = (1 - f->flat) * n[k] + f->flat * t->normal[k];
+    } else if (dot3(n, n) < 1e-6F) {
+        flat_normal(n, s, t);
+    }
+    unit3(n);
     pc_color base = f->face_color ? f->face_color[t->face] : f->color;
     if (f->value) {
         float value = w[0] * f->value[t->v[0]] + w[1] * f->value[t->v[1]] + w[2] * f->value[t->v[2]];
@@ -216,7 +240,7 @@ pc_status pc_surface_draw(pc_picture *picture, pc_context *ctx, const pc_surface
     make_tone(&s.tone);
     for (int k = 0; k < picture->pane_count; k++) {
         s.pane = &picture->pane[k];
-        s.light = make_lights(&s.pane->camera);
+        make_lights(&s.light, &s.pane->camera);
         pc_raster_project(screen, &s.pane->camera, surface->position, surface->vertex_count);
         PC_TRY(
             pc_raster_triangles(picture, ctx, owner, s.pane, screen, surface->triangle, surface->face_count));

@@ -14,9 +14,10 @@ typedef struct pc_surface {
     const float *value; /* per vertex, shown through `map` from `low` to `high`; NaN is grey. Or NULL */
     const pc_colormap *map;
     float low, high;
-    pc_color color;             /* where neither faces nor values have one */
-    float flat;                 /* 0: light by vertex normals, 1: by face normals */
-    float cavity;               /* 0..1: how much hollows darken and ridges brighten */
+    pc_color color; /* where neither faces nor values have one */
+    float flat;     /* 0: light by vertex normals, 1: by face normals */
+    float cavity;   /* 0..1: how much hollows darken and ridges brighten */
+    float even;     /* 0..1: 0 full light and shade, 1 the bare colours: for colours that are to be read */
     const pc_index *face_owner; /* per face: faces of equal owner share one face normal (n-gons); or NULL */
 } pc_surface;
 
