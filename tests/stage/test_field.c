@@ -14,6 +14,7 @@ typedef struct stage {
     pc_adjacency adjacency;
     pc_curvature curvature;
     pc_field field;
+    pc_device *device;
 } stage;
 
 static const pc_field_options field_defaults = PC_FIELD_DEFAULTS;
@@ -21,16 +22,15 @@ static const pc_field_options field_defaults = PC_FIELD_DEFAULTS;
 /* Takes the mesh in s->mesh through curvature and field. */
 static void run(stage *s, pc_context *ctx, const pc_field_options *options) {
     pc_curvature_options defaults = PC_CURVATURE_DEFAULTS;
-    pc_device *device;
-    assert_ok(ctx, pc_device_open(&device, ctx, "host"));
+    assert_ok(ctx, pc_device_open(&s->device, ctx, "host"));
     assert_ok(ctx, pc_adjacency_make(&s->adjacency, ctx, &s->mesh));
-    assert_ok(ctx, pc_curvature_make(&s->curvature, ctx, device, &s->mesh, &s->adjacency, &defaults));
-    assert_ok(ctx, pc_field_make(&s->field, ctx, device, &s->mesh, &s->adjacency, &s->curvature, options));
+    assert_ok(ctx, pc_curvature_make(&s->curvature, ctx, s->device, &s->mesh, &s->adjacency, &defaults));
+    assert_ok(ctx, pc_field_make(&s->field, ctx, s->device, &s->mesh, &s->adjacency, &s->curvature, options));
     assert_ok(ctx, pc_field_check(&s->field, ctx, &s->mesh, &s->adjacency));
-    pc_device_close(device, ctx);
 }
 
 static void drop(stage *s, pc_context *ctx) {
+    pc_device_close(s->device, ctx);
     pc_field_free(&s->field, ctx);
     pc_curvature_free(&s->curvature, ctx);
     pc_adjacency_free(&s->adjacency, ctx);
@@ -127,7 +127,7 @@ static void curl_of_a_ring_is_corrected(void **state) {
     run(&s, ctx, &field_defaults);
     assert_int_equal(pc_singularity_count(&s.field), 0);
     assert_ok(ctx, pc_new(&scale, ctx, s.mesh.vertex_count));
-    assert_ok(ctx, pc_curl_correct(scale, ctx, NULL, &s.mesh, &s.adjacency, &s.field, &options));
+    assert_ok(ctx, pc_curl_correct(scale, ctx, s.device, &s.mesh, &s.adjacency, &s.field, &options));
     for (pc_index v = 0; v < s.mesh.vertex_count; v++) {
         const double *p = s.mesh.position + 3 * (size_t)v;
         double x = log(scale[v] * hypot(p[0], p[1]));
@@ -148,11 +148,11 @@ static void bad_options_are_refused(void **state) {
     run(&s, ctx, &options);
     pc_field_free(&s.field, ctx);
     options.symmetry = 3;
-    assert_int_equal(pc_field_make(&s.field, ctx, NULL, &s.mesh, &s.adjacency, &s.curvature, &options),
+    assert_int_equal(pc_field_make(&s.field, ctx, s.device, &s.mesh, &s.adjacency, &s.curvature, &options),
                      PC_E_USAGE);
     options.symmetry = 4;
     options.smoothness = 1;
-    assert_int_equal(pc_field_make(&s.field, ctx, NULL, &s.mesh, &s.adjacency, &s.curvature, &options),
+    assert_int_equal(pc_field_make(&s.field, ctx, s.device, &s.mesh, &s.adjacency, &s.curvature, &options),
                      PC_E_USAGE);
     drop(&s, ctx);
 }
@@ -169,7 +169,7 @@ static void survives_lack_of_memory(void **state) {
     pc_status status = PC_E_NOMEM;
     for (; status == PC_E_NOMEM && n < 1000; n++) {
         pc_memory_fail_at(ctx, n);
-        status = pc_field_make(&s.field, ctx, NULL, &s.mesh, &s.adjacency, &s.curvature, &options);
+        status = pc_field_make(&s.field, ctx, s.device, &s.mesh, &s.adjacency, &s.curvature, &options);
         if (status != PC_OK) assert_int_equal(pc_memory_used(ctx), before);
     }
     pc_memory_fail_at(ctx, 0);
