@@ -61,13 +61,13 @@ void pc_camera_make(pc_camera *camera, pc_view view, pc_vec3 up, pc_vec3 front, 
     double low[3], high[3];
     bounds(low, high, position, count);
     pc_vec3 a = {low[0], low[1], low[2]}, b = {high[0], high[1], high[2]};
-    pc_vec3 side = pc_cross(up, front), toward = front, top = up;
+    pc_vec3 side = pc_cross(up, front), top = up;
     /* right, up and front share of the direction to the viewer */
     static const double share[][3] = {{0.55, 0.42, 0.9}, {0.55, 0.42, 0.9}, {-0.55, 0.42, -0.9},
                                       {0, 0, 1},         {0, 0, -1},        {-1, 0, 0},
                                       {1, 0, 0},         {0, 1, 0},         {0, -1, 0}};
     const double *s = share[view];
-    toward = pc_unit(pc_add(pc_add(pc_scale(s[0], side), pc_scale(s[1], up)), pc_scale(s[2], front)));
+    pc_vec3 toward = pc_unit(pc_add(pc_add(pc_scale(s[0], side), pc_scale(s[1], up)), pc_scale(s[2], front)));
     if (view == PC_VIEW_TOP) top = pc_scale(-1, front);
     if (view == PC_VIEW_BOTTOM) top = front;
     *camera = (pc_camera){.centre = pc_scale(0.5, pc_add(a, b)), .back = toward, .scale = 1};

@@ -112,7 +112,7 @@ static void mix_pixel(uint8_t out[3], const pc_picture *picture, int x, int y) {
             total += weight;
         }
     for (int k = 0; k < 3; k++)
-        out[k] = (uint8_t)((sum[k] + total / 2) / total);
+        out[k] = total ? (uint8_t)((sum[k] + total / 2) / total) : 0;
 }
 
 pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture *picture) {

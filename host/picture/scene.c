@@ -102,7 +102,7 @@ static pc_status draw_singularities(pc_picture *picture, pc_context *ctx, const 
     float unit = (float)pc_picture_pixel_length(picture, picture->height / 1200.0);
     count = 0;
     for (size_t f = 0; f < field->face_count; f++) {
-        int index = field->index[f];
+        const int8_t index = field->index[f];
         if (index == 0) continue;
         pc_ball *b = &ball[count++];
         pc_vec3_put(b->centre, 0, face_point(mesh, f, third));

@@ -86,7 +86,7 @@ static int level_line(double from[3], double to[3], const pc_mesh *mesh, size_t 
 }
 
 static pc_status grow(line_list *list, pc_context *ctx, size_t more) {
-    if (list->count + more <= list->room) return PC_OK;
+    if (list->stroke && list->count + more <= list->room) return PC_OK;
     size_t room = 2 * (list->count + more);
     pc_status status = pc_resize(&list->stroke, ctx, room);
     if (status == PC_OK) list->room = room;

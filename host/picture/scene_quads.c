@@ -213,7 +213,7 @@ pc_status pc_scene_quads(pc_picture *picture, pc_context *ctx, const pc_polymesh
     s.flat = 0.6F, s.cavity = 0.6F;
     PC_TRY(pc_surface_draw(picture, ctx, &s));
     double edge = mean_edge(quads), pixel = pc_picture_pixel_length(picture, picture->height / 1200.0);
-    float width = (float)(fmin(1.5, fmax(0.5, 0.12 * edge / pixel)) * picture->height / 1200.0);
+    float width = (float)(fmin(1.5, fmax(0.25, 0.12 * edge / pixel)) * picture->height / 1200.0);
     PC_TRY(draw_edges(picture, ctx, quads, 0.25 * pixel, width));
     PC_TRY(draw_irregular(picture, ctx, quads, edge));
 done:
