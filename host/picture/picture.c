@@ -136,3 +136,7 @@ pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture 
 double pc_picture_pixel_length(const pc_picture *picture, double pixels) {
     return pixels * picture->samples / picture->pane[0].camera.scale;
 }
+
+double pc_picture_unit(const pc_picture *picture) {
+    return fmax(0.6, sqrt((double)picture->width * picture->height / (1600.0 * 1200.0)));
+}
