@@ -87,7 +87,7 @@ static pc_status make_shape(pc_mesh *mesh, pc_context *ctx, const wishes *w) {
     if (strcmp(w->kind, "cube") == 0) return pc_synth_cube(mesh, ctx, steps_for(faces, 12));
     if (strcmp(w->kind, "vase") == 0) return pc_synth_vase(mesh, ctx, n - n / 4, n + n / 3);
     if (strcmp(w->kind, "blob") == 0) {
-        pc_index steps = steps_for(faces, genus ? 130 * rings + 13 : 112);
+        pc_index steps = steps_for(faces, genus ? 112 * rings + 28 : 112);
         return pc_synth_blob(mesh, ctx, genus, steps < 6 ? 6 : steps);
     }
     if (strcmp(w->kind, "soup") == 0)

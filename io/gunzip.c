@@ -30,6 +30,7 @@ done:
 
 /* The last four bytes are the size of the last member modulo 2^32: a hint, believed as far as it is usual. */
 static size_t first_guess(const char *data, size_t size) {
+    if (size < 18) return SPARE; /* shorter than the shortest member: the unpacking will say so */
     const unsigned char *p = (const unsigned char *)data + size - 4;
     size_t said = (size_t)p[0] | (size_t)p[1] << 8 | (size_t)p[2] << 16 | (size_t)p[3] << 24;
     size_t usual = USUAL_RATIO * size + SPARE;

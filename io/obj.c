@@ -59,24 +59,41 @@ static inline bool in_word(const pc_textcursor *c) {
     return c->at < c->end && !pc_is_space(*c->at) && !at_continuation(c);
 }
 
-/* Words of the statement, each passed over: what next_word and in_word would give, at one look per character.
+enum { LETTER, BLANK, SPECIAL };
+static const unsigned char kind_of_letter[256] = {
+    [' '] = BLANK,    ['\t'] = BLANK,   ['\v'] = BLANK,  ['\f'] = BLANK,
+    ['\n'] = SPECIAL, ['\r'] = SPECIAL, ['#'] = SPECIAL, ['\\'] = SPECIAL};
+
+/* Words of the statement, each passed over: as many as next_word and in_word would find, with few branches.
  */
 static size_t count_words(pc_textcursor *c) {
     size_t count = 0;
-    bool between = true;
+    unsigned between = 1;
     for (; c->at < c->end; c->at++) {
-        char letter = *c->at;
-        if (pc_is_newline(letter)) break;
-        bool blank = pc_is_blank(letter);
-        if ((letter == '#' && between) || (letter == '\\' && at_continuation(c))) {
-            between = true;
-            if (!next_word(c)) break;
-            blank = false;
+        unsigned kind = kind_of_letter[(unsigned char)*c->at];
+        if (kind == SPECIAL) {
+            if (pc_is_newline(*c->at)) break;
+            if ((*c->at == '#' && between) || (*c->at == '\\' && at_continuation(c))) {
+                between = 1;
+                if (!next_word(c)) break;
+            }
+            kind = LETTER;
         }
-        count += between && !blank;
-        between = blank;
+        count += between & (kind == LETTER);
+        between = kind;
     }
     return count;
+}
+
+/* To the end of the line: by memchr where '\n' or "\r\n" ends it and no backslash joins the next. */
+static void skip_statement(pc_textcursor *c) {
+    const char *newline = memchr(c->at, '\n', (size_t)(c->end - c->at));
+    const char *cr = newline ? memchr(c->at, '\r', (size_t)(newline - c->at)) : NULL;
+    const char *end = cr ? cr : newline;
+    if (newline && (!cr || cr == newline - 1) && end > c->at && end[-1] != '\\')
+        c->at = newline;
+    else
+        (void)count_words(c);
 }
 
 /* The keyword at the start of a line: 'v', 'f', or another. */
@@ -109,11 +126,12 @@ static void count_piece(obj_piece *piece) {
             continue;
         }
         c.at++;
-        size_t words = count_words(&c);
         if (word == 'v') {
+            skip_statement(&c);
             piece->vertices++;
             continue;
         }
+        size_t words = count_words(&c);
         piece->faces++;
         piece->triangles += words < 3 ? 0 : words - 2;
         piece->polygons += words > 3;
@@ -315,7 +333,7 @@ pc_status pc_obj_read(pc_mesh *mesh, pc_scan_info *info, pc_context *ctx, const 
     r.faces.polygon_count = r.total.polygons;
     tell(info, &r.total);
     mesh->face_count = (pc_index)r.faces.count;
-    PC_TRY(pc_scan_check_counts(mesh, ctx, input));
+    PC_TRY(pc_scan_check_counts(mesh, ctx, input, pc_scan_fail_line));
     PC_TRY(pc_facelist_finish(&r.faces, ctx, mesh));
 done:
     pc_facelist_free(&r.faces, ctx);

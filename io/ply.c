@@ -113,6 +113,9 @@ static pc_status read_ascii(double *value, ply_reader *r) {
     }
     if (result == PC_DECIMAL_OK && pc_at_word_end(&r->text)) return PC_OK;
     r->text.at = word;
+    if ((unsigned char)*word < ' ' || (unsigned char)*word > '~')
+        return FAIL(r, word,
+                    "binary bytes stand here, though the header says ascii: correct the format line");
     return FAIL(r, word, "'%s' is not a number", pc_scan_quote(word, r->text.end).text);
 }
 
@@ -139,7 +142,7 @@ done:
 static pc_status read_list(size_t *count, ply_reader *r, const pc_ply_property *property) {
     pc_status status = PC_OK;
     const char *start = r->text.at;
-    double wanted;
+    double wanted = 0;
     PC_TRY(read_value(&wanted, r, property->count_type));
     bool ascii = r->header->format == PC_PLY_ASCII;
     size_t size = ascii ? 2 : pc_ply_type_size(property->type);
@@ -216,6 +219,7 @@ static pc_status take_coordinate(ply_reader *r, const char *at, int axis, double
 
 static pc_status read_property(ply_reader *r, const pc_ply_property *property, role meaning) {
     pc_status status = PC_OK;
+    if (r->header->format == PC_PLY_ASCII) pc_skip_spaces(&r->text);
     const char *at = r->text.at;
     if (property->is_list) {
         size_t count = 0;
@@ -225,7 +229,6 @@ static pc_status read_property(ply_reader *r, const pc_ply_property *property, r
     } else {
         double value;
         PC_TRY(read_value(&value, r, property->type));
-        if (r->header->format == PC_PLY_ASCII) at = r->text.at - 1;
         if (meaning != ROLE_NONE) PC_TRY(take_coordinate(r, at, (int)meaning - ROLE_X, value));
     }
 done:
@@ -274,16 +277,19 @@ static bool vertices_at_once(ply_reader *r, const int *axis) {
     double *position = r->mesh->position;
     bool big = h->format == PC_PLY_BIG;
     bool fine = true;
+    pc_ply_type type[3];
+    size_t offset[3];
     for (int k = 0; k < 3; k++) {
-        pc_ply_type type = h->property[axis[k]].type;
-        size_t offset = offset_of(h, element, axis[k]);
-#pragma omp parallel for schedule(static) reduction(&& : fine)
-        for (size_t i = 0; i < element->count; i++) {
-            double value = load(body + i * stride + offset, type, big);
-            fine = fine && isfinite(value);
-            position[3 * i + (size_t)k] = value;
-        }
+        type[k] = h->property[axis[k]].type;
+        offset[k] = offset_of(h, element, axis[k]);
     }
+#pragma omp parallel for schedule(static) reduction(&& : fine)
+    for (size_t i = 0; i < element->count; i++)
+        for (size_t k = 0; k < 3; k++) {
+            double value = load(body + i * stride + offset[k], type[k], big);
+            fine = fine && isfinite(value);
+            position[3 * i + k] = value;
+        }
     if (fine) r->text.at += element->count * stride;
     return fine;
 }
@@ -333,6 +339,9 @@ static pc_status read_vertices(ply_reader *r) {
     static const char *const names[3] = {"x", "y", "z"};
     role roles[PC_PLY_MAX_PROPERTIES] = {ROLE_NONE};
     int axis[3];
+    if (r->mesh->position)
+        return pc_scan_fail_line(r->ctx, r->input, r->header->body - 1,
+                                 "two elements called vertex in the PLY header");
     for (int k = 0; k < 3; k++) {
         axis[k] = pc_ply_find(r->header, r->element, names[k]);
         if (axis[k] < 0 || r->header->property[axis[k]].is_list)
@@ -340,9 +349,6 @@ static pc_status read_vertices(ply_reader *r) {
                                      "element vertex has no number %s in the PLY header", names[k]);
         roles[axis[k] - r->element->first] = (role)(ROLE_X + k);
     }
-    if (r->mesh->position)
-        return pc_scan_fail_line(r->ctx, r->input, r->header->body - 1,
-                                 "two elements called vertex in the PLY header");
     if (pc_ply_find(r->header, r->element, "nx") >= 0) pc_scan_ignore(r->info, "normals");
     if (pc_ply_find(r->header, r->element, "red") >= 0 ||
         pc_ply_find(r->header, r->element, "diffuse_red") >= 0)
@@ -413,6 +419,18 @@ done:
     return status;
 }
 
+/* Text would pass for floats without any sense: nothing but the characters of numbers shows it. */
+static pc_status check_binary(const ply_reader *r) {
+    size_t size = (size_t)(r->text.end - r->text.at);
+    if (r->header->format == PC_PLY_ASCII || size < 24) return PC_OK;
+    if (size > 256) size = 256;
+    for (size_t i = 0; i < size; i++)
+        if (r->text.at[i] == '\0' || !strchr("0123456789+-.eE \t\r\n", r->text.at[i])) return PC_OK;
+    return pc_scan_fail_byte(
+        r->ctx, r->input, r->header->body,
+        "numbers stand here as text, though the header says binary: correct the format line");
+}
+
 pc_status pc_ply_read(pc_mesh *mesh, pc_scan_info *info, pc_context *ctx, const pc_scan_input *input) {
     static const char *const names[] = {"PLY ascii", "PLY binary little-endian", "PLY binary big-endian"};
     pc_status status = PC_OK;
@@ -424,9 +442,11 @@ pc_status pc_ply_read(pc_mesh *mesh, pc_scan_info *info, pc_context *ctx, const 
     info->format = names[header->format];
     reader.header = header;
     reader.text = (pc_textcursor){input->data + header->body, input->data + input->size};
+    PC_TRY(check_binary(&reader));
     PC_TRY(read_elements(&reader));
     mesh->face_count = (pc_index)reader.faces.count;
-    PC_TRY(pc_scan_check_counts(mesh, ctx, input));
+    PC_TRY(pc_scan_check_counts(mesh, ctx, input,
+                                header->format == PC_PLY_ASCII ? pc_scan_fail_line : pc_scan_fail_byte));
     PC_TRY(pc_facelist_finish(&reader.faces, ctx, mesh));
 done:
     pc_facelist_free(&reader.faces, ctx);

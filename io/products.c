@@ -70,13 +70,17 @@ done:
     return status;
 }
 
-enum { FIELD_LOOPS = 2 };
+enum { FIELD_LOOPS = 2, FIELD_HALF_EDGES };
 
 static const pc_column field_columns[] = {
     {"normal", PC_STORE_F64, 3, VERTICES, offsetof(pc_field, normal), false, "1",
      "unit normal of each vertex"},
     {"direction", PC_STORE_F64, 3, VERTICES, offsetof(pc_field, direction), false, "1",
      "unit tangent K of each vertex; the others follow by turns of 360/symmetry degrees about the normal"},
+    {"angle", PC_STORE_F64, 0, VERTICES, offsetof(pc_field, angle), true, "rad",
+     "angle of K in the tangent frame of each vertex"},
+    {"turn", PC_STORE_U8, 0, FIELD_HALF_EDGES, offsetof(pc_field, turn), true, "360/symmetry degrees",
+     "per half-edge 3*triangle+corner from i to j: turns that bring the direction at j nearest to that at i"},
     {"index", PC_STORE_I8, 0, FACES, offsetof(pc_field, index), false, "1",
      "singularity index inside each triangle, times symmetry"},
     {"loop_index", PC_STORE_I32, 0, FIELD_LOOPS, offsetof(pc_field, loop_index), false, "1",
@@ -85,23 +89,34 @@ static const pc_column field_columns[] = {
 
 pc_status pc_field_save(pc_store *store, const char *group, const pc_field *field) {
     pc_status status = PC_OK;
-    const size_t counts[] = {field->vertex_count, field->face_count, field->loop_count};
+    const size_t counts[] = {field->vertex_count, field->face_count, field->loop_count,
+                             3 * (size_t)field->face_count};
     PC_TRY(pc_columns_save(store, group, field_columns, COUNT(field_columns), field, counts));
     PC_TRY(pc_store_set_int(store, group, "symmetry", field->symmetry));
 done:
     return status;
 }
 
+static pc_status check_turns(const pc_field *field, const size_t *counts, unsigned symmetry, pc_store *store,
+                             const char *group) {
+    if (!field->turn) return PC_OK;
+    if (counts[FIELD_HALF_EDGES] != 3 * counts[FACES])
+        return pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s/turn': %zu half-edges of %zu triangles",
+                       pc_store_path(store), group, counts[FIELD_HALF_EDGES], counts[FACES]);
+    return pc_columns_bytes_below(store, group, "turn", field->turn, 3 * counts[FACES], symmetry);
+}
+
 pc_status pc_field_load(pc_field *field, pc_store *store, const char *group) {
     pc_status status = PC_OK;
     int64_t symmetry;
-    size_t counts[] = {PC_STORE_ANY, PC_STORE_ANY, PC_STORE_ANY};
+    size_t counts[] = {PC_STORE_ANY, PC_STORE_ANY, PC_STORE_ANY, PC_STORE_ANY};
     *field = (pc_field){0};
     PC_TRY(pc_columns_load(field, counts, store, group, field_columns, COUNT(field_columns)));
     PC_TRY(pc_store_get_int(&symmetry, store, group, "symmetry"));
     if (symmetry != 1 && symmetry != 2 && symmetry != 4)
         PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s': symmetry is %lld, not 1, 2 or 4",
                        pc_store_path(store), group, (long long)symmetry));
+    PC_TRY(check_turns(field, counts, (unsigned)symmetry, store, group));
     field->symmetry = (int)symmetry;
     field->vertex_count = (pc_index)counts[VERTICES];
     field->face_count = (pc_index)counts[FACES];
@@ -117,7 +132,7 @@ static const pc_column param_columns[] = {
     {"phase", PC_STORE_F32, 4, VERTICES, offsetof(pc_param, phase), false, "1",
      "U and V as solved: cos s, sin s, cos t, sin t of each vertex, norms kept"},
     {"coordinate", PC_STORE_I32, 2, VERTICES, offsetof(pc_param, coordinate), false, "period/2^24",
-     "(s,t) of each vertex, fixed point, in [0, 2^24)"},
+     "(s,t) of each vertex, fixed point; odd, so that no line meets a vertex"},
     {"turn", PC_STORE_U8, 0, PARAM_HALF_EDGES, offsetof(pc_param, turn), false, "quarter turn",
      "per half-edge 3*triangle+corner from i to j: turns r that bring the frame of j to that of i"},
     {"shift", PC_STORE_I32, 2, PARAM_HALF_EDGES, offsetof(pc_param, shift), false, "period",
@@ -144,9 +159,10 @@ static pc_status check_param(const pc_param *param, pc_store *store, const char 
         PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s': a period has %lld units, expected %d",
                        pc_store_path(store), group, (long long)period, PC_PERIOD));
     for (size_t i = 0; i < 2 * (size_t)param->vertex_count; i++)
-        if (param->coordinate[i] < 0 || param->coordinate[i] >= PC_PERIOD)
-            PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s/coordinate': vertex %zu is at %d",
-                           pc_store_path(store), group, i / 2, param->coordinate[i]));
+        if (param->coordinate[i] % 2 == 0)
+            PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT,
+                           "%s: '%s/coordinate': vertex %zu is at %d, which is even", pc_store_path(store),
+                           group, i / 2, param->coordinate[i]));
     PC_TRY(pc_columns_bytes_below(store, group, "turn", param->turn, 3 * (size_t)param->face_count, 4));
     PC_TRY(
         pc_columns_bytes_below(store, group, "singular", param->singular, param->face_count, PC_FLIPPED + 1));

@@ -67,10 +67,11 @@ static pc_status read_seal(uint64_t *bytes, uint32_t *crc, pc_context *ctx, int 
     if (fstat(file, &info) != 0) return system_failed(ctx, "examine the file", path);
     if (!S_ISREG(info.st_mode)) return pc_fail(ctx, PC_E_FORMAT, "%s: not a regular file", path);
     off_t start = info.st_size - SEAL_BYTES;
-    if (start > 0 && pread(file, seal, SEAL_BYTES, start) == SEAL_BYTES &&
-        sscanf(seal, "\npercale seal %16" SCNx64 " %8" SCNx32, bytes, crc) == 2) {
+    if (start > 0 && pread(file, seal, SEAL_BYTES, start) == SEAL_BYTES) {
+        *bytes = (uint64_t)start;
+        *crc = (uint32_t)strtoul(seal + SEAL_BYTES - 9, NULL, 16);
         (void)snprintf(again, sizeof again, seal_format, *bytes, *crc);
-        if (*bytes == (uint64_t)start && memcmp(seal, again, SEAL_BYTES) == 0) return PC_OK;
+        if (memcmp(seal, again, SEAL_BYTES) == 0) return PC_OK;
     }
     return pc_fail(ctx, PC_E_FORMAT,
                    "%s: not a file of Percale, or cut off, or changed since (its last line is not the seal)",
@@ -79,7 +80,7 @@ static pc_status read_seal(uint64_t *bytes, uint32_t *crc, pc_context *ctx, int 
 
 pc_status pc_seal_check(uint64_t *bytes, pc_context *ctx, const char *path) {
     pc_status status = PC_OK;
-    uint32_t promised, crc;
+    uint32_t promised = 0, crc = 0;
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) PC_TRY(system_failed(ctx, "open the file", path));
     PC_TRY(read_seal(bytes, &promised, ctx, file, path));

@@ -91,7 +91,7 @@ def singularities(arrays, group="field"):
 
 
 def parameter(arrays, group="param"):
-    """(s,t) of each vertex in periods, 0 to 1. Neighbours may differ by quarter turns and whole periods."""
+    """(s,t) of each vertex in periods. Neighbours may differ by quarter turns and whole periods."""
     return arrays[f"{group}/coordinate"] / 2.0**24
 
 
@@ -144,7 +144,8 @@ def write_obj(path, arrays, group="quads"):
 def summary(path):
     with open_file(path) as file:
         for name, value in file.attrs.items():
-            print(f"{name}: {value}")
+            text = str(value)
+            print(f"{name}: {text if len(text) <= 100 else text[:97] + '...'}")
         for name, item in datasets(file).items():
             shape = " x ".join(str(n) for n in item.shape)
             print(f"{name:28} {str(item.dtype):8} {shape:16} [{item.attrs.get('units', '')}] "
@@ -183,6 +184,8 @@ def main():
             write_obj(options.obj, load(options.file, "quads"))
         if not (options.npz or options.obj or options.seal):
             summary(options.file)
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output has seen enough
     except (OSError, ValueError, KeyError) as wrong:
         print(f"percale_read: {wrong}", file=sys.stderr)
         return 3

@@ -120,43 +120,51 @@ pc_status pc_file_temporary(char **temporary, pc_context *ctx, const char *path,
     return status;
 }
 
-static pc_status sync_path(pc_context *ctx, const char *path, bool folder) {
-    int descriptor = open(path, (folder ? O_DIRECTORY : 0) | O_RDONLY | O_CLOEXEC);
-    int failed = descriptor < 0 || fsync(descriptor) != 0;
-    /* Some file systems cannot sync a folder: the content is safe by then. */
-    pc_status status = failed && !folder ? fail_errno(ctx, path, "cannot be synced to the disk") : PC_OK;
+static pc_status sync_file(pc_context *ctx, const char *path) {
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    bool failed = descriptor < 0 || fsync(descriptor) != 0;
+    pc_status status = failed ? fail_errno(ctx, path, "cannot be synced to the disk") : PC_OK;
     if (descriptor >= 0) (void)close(descriptor);
     return status;
 }
 
-static pc_status sync_folder_of(pc_context *ctx, const char *path) {
-    char *folder = NULL;
+/* So that the name itself is on the disk. Some file systems cannot do that: the content is safe by then. */
+static void sync_folder(const char *folder) {
+    int descriptor = open(folder, O_DIRECTORY | O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    (void)fsync(descriptor);
+    (void)close(descriptor);
+}
+
+static pc_status folder_of(char **folder, pc_context *ctx, const char *path) {
     const char *slash = strrchr(path, '/');
-    pc_status status = copy_text(&folder, ctx, slash ? path : ".");
-    if (status != PC_OK) return status;
-    if (slash) folder[slash == path ? 1 : slash - path] = '\0';
-    status = sync_path(ctx, folder, true);
-    pc_free(ctx, folder);
+    pc_status status = copy_text(folder, ctx, slash ? path : ".");
+    if (status == PC_OK && slash) (*folder)[slash == path ? 1 : slash - path] = '\0';
     return status;
 }
 
-/* Without force a link is made, which fails where somebody has put a file there meanwhile. */
+/* Without force a link is made, which fails where somebody has put a file there meanwhile. Nothing fails once
+ * the file stands in its place. */
 static pc_status put_in_place(pc_context *ctx, const char *temporary, const char *place, bool force) {
-    if (!force && link(temporary, place) == 0) {
+    char *folder = NULL;
+    pc_status status = folder_of(&folder, ctx, place);
+    if (status != PC_OK) return status;
+    if (!force && link(temporary, place) == 0)
         (void)unlink(temporary);
-        return sync_folder_of(ctx, place);
-    }
-    if (!force && errno == EEXIST)
-        return pc_fail(ctx, PC_E_IO, "%s: exists already; --force overwrites it", place);
-    if (rename(temporary, place) != 0) return fail_errno(ctx, place, "cannot be put in place");
-    return sync_folder_of(ctx, place);
+    else if (!force && errno == EEXIST)
+        status = pc_fail(ctx, PC_E_IO, "%s: exists already; --force overwrites it", place);
+    else if (rename(temporary, place) != 0)
+        status = fail_errno(ctx, place, "cannot be put in place");
+    if (status == PC_OK) sync_folder(folder);
+    pc_free(ctx, folder);
+    return status;
 }
 
 pc_status pc_file_publish(pc_context *ctx, const char *temporary, const char *path, bool force) {
     pc_status status = PC_OK;
     char *place = NULL;
     PC_TRY(resolve(&place, ctx, path, force));
-    PC_TRY(sync_path(ctx, temporary, false));
+    PC_TRY(sync_file(ctx, temporary));
     PC_TRY(put_in_place(ctx, temporary, place, force));
 done:
     if (status != PC_OK) (void)unlink(temporary);

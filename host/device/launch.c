@@ -108,6 +108,18 @@ pc_status pc_buffer_make(pc_buffer **buffer, pc_context *ctx, pc_device *device,
     return PC_OK;
 }
 
+pc_status pc_buffer_zeroed(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes) {
+    const cl_uint zero = 0;
+    pc_status status = pc_buffer_make(buffer, ctx, device, (bytes + 3) / 4 * 4);
+    if (status != PC_OK || bytes == 0) return status;
+    cl_int error = clEnqueueFillBuffer(device->queue, (*buffer)->handle, &zero, sizeof zero, 0,
+                                       (*buffer)->bytes, 0, NULL, NULL);
+    if (error == CL_SUCCESS) return PC_OK;
+    pc_buffer_free(*buffer, ctx);
+    *buffer = NULL;
+    return pc_device_fail(ctx, error, "clearing a buffer");
+}
+
 pc_status pc_buffer_from(pc_buffer **buffer, pc_context *ctx, pc_device *device, const void *from,
                          size_t bytes) {
     pc_status status = pc_buffer_make(buffer, ctx, device, bytes);

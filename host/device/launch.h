@@ -61,6 +61,8 @@ pc_status pc_launch_wait(pc_context *ctx, pc_device *device);
 /* Uninitialised. PC_E_DEVICE over the device's allocation cap, PC_E_NOMEM where memory lacks. 0 bytes are
  * fine. */
 pc_status pc_buffer_make(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes);
+/* The same, filled with zero bytes. */
+pc_status pc_buffer_zeroed(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes);
 /* A copy of `bytes` bytes at `from`. */
 pc_status pc_buffer_from(pc_buffer **buffer, pc_context *ctx, pc_device *device, const void *from,
                          size_t bytes);

@@ -49,12 +49,16 @@ static void set_target(data *d, pc_index v, double angle, double weight, int n) 
     d->weight[v] = weight;
 }
 
-static void curvature_data(data *d, const pc_connection *connection, const pc_curvature *curvature, int n) {
+static void curvature_data(data *d, const pc_connection *connection, const pc_curvature *curvature, int n,
+                           double gain) {
     if (n == 1) return;
 #pragma omp parallel for schedule(static)
-    for (pc_index v = 0; v < curvature->vertex_count; v++)
+    for (pc_index v = 0; v < curvature->vertex_count; v++) {
+        const double *k = curvature->value + 2 * (size_t)v;
+        double bend = curvature->radius * fmax(fabs(k[0]), fabs(k[1]));
         set_target(d, v, pc_connection_angle(connection, v, curvature->direction + 3 * (size_t)v),
-                   curvature->weight[v], n);
+                   curvature->weight[v] * (1 + gain * bend * bend * bend * bend), n);
+    }
 }
 
 /* The border outweighs the curvature: its strip of cells is one cell wide, so it weighs as an area of the
@@ -118,7 +122,7 @@ pc_status pc_field_make(pc_field *field, pc_context *ctx, pc_device *device, con
     PC_TRY(new_data(&d, ctx, mesh->vertex_count));
     PC_TRY(pc_connection_make(&connection, ctx, mesh, adjacency));
     vertex_areas(d.area, mesh);
-    curvature_data(&d, &connection, curvature, options->symmetry);
+    curvature_data(&d, &connection, curvature, options->symmetry, options->feature_gain);
     PC_TRY(border_data(&d, ctx, mesh, adjacency, &connection, &smooth, options->borders));
     PC_TRY(pc_smooth_field(field->angle, ctx, device, mesh, adjacency, &connection, d.area, d.target,
                            d.weight, &smooth));

@@ -31,13 +31,14 @@ typedef struct pc_field_options {
                               shorter than about feature_length * sqrt(rho/(1-rho)) are smoothed away */
     double feature_edges;
     double relief_edges; /* relief shorter than this many mean edges attracts no singularities */
+    double feature_gain; /* strong bends k count 1 + feature_gain (k r)^4 times, r the curvature's radius */
     pc_border_rule borders;
     int rounds;       /* of solving and normalising, beyond the first solve */
     double tolerance; /* relative residual of each solve */
     pc_solver_options solver;
 } pc_field_options;
 #define PC_FIELD_DEFAULTS                                                                                    \
-    { 4, 0.8, 0, 10.0, 5.0, PC_BORDERS_AUTO, 4, 1e-4, PC_SOLVER_DEFAULTS }
+    { 4, 0.8, 0, 10.0, 5.0, 100.0, PC_BORDERS_AUTO, 4, 1e-4, PC_SOLVER_DEFAULTS }
 
 /* The field of least (1-rho) sum A_i w_i |z_i - z0_i|^2 + rho l^2 sum lambda_e |z_j - Rot z_i|^2 over z =
  * exp(i N alpha) with |z| = 1 (Li, thesis D.4, eq. D.19, D.20 as corrected in the digest: angles are

@@ -9,7 +9,8 @@ typedef struct pc_edge_rows {
     pc_index edge_count;
     pc_index *start;  /* row_count+1 offsets */
     pc_index *column; /* 2*edge_count neighbours, ascending in each row */
-    pc_index *slot;   /* 2 per edge i->j (as in pc_adjacency.edge_half): where entry (i,j) stands, where (j,i) */
+    pc_index
+        *slot; /* 2 per edge i->j (as in pc_adjacency.edge_half): where entry (i,j) stands, where (j,i) */
 } pc_edge_rows;
 
 pc_status pc_edge_rows_make(pc_edge_rows *rows, pc_context *ctx, const pc_mesh *mesh,

@@ -1,49 +1,64 @@
 #include "fansplit.h"
 #include "halfsort.h"
 #include "memory.h"
+#include <string.h>
 
-/* Names the fan around the tail of `first` in all its corners. */
-static void name_fan(pc_index *fan, const pc_index *twin, pc_index first, pc_index name) {
-    pc_index h = first;
-    while (h != PC_NONE && fan[h] == PC_NONE) {
+/* The clockwise end of the fan around the tail of `h`, or `h` where it is closed. */
+static pc_index fan_begin(const pc_index *twin, pc_index h) {
+    pc_index first = h;
+    while (twin[h] != PC_NONE) {
+        h = pc_next(twin[h]);
+        if (h == first) break;
+    }
+    return h;
+}
+
+/* The smallest free wish in the fan that begins with `begin`, PC_NONE where there is none. */
+static pc_index free_wish(const pc_index *twin, const pc_index *wish, const uint8_t *taken, pc_index begin) {
+    pc_index best = PC_NONE, h = begin;
+    do {
+        if (!taken[wish[h]] && wish[h] < best) best = wish[h];
+        h = twin[pc_prev(h)];
+    } while (h != PC_NONE && h != begin);
+    return best;
+}
+
+static void name_fan(pc_index *fan, const pc_index *twin, pc_index begin, pc_index name) {
+    pc_index h = begin;
+    do {
         fan[h] = name;
         h = twin[pc_prev(h)];
-    }
-    if (h != PC_NONE) return; /* all round */
-    for (h = twin[first]; h != PC_NONE; h = twin[h]) {
-        h = pc_next(h);
-        fan[h] = name;
-    }
+    } while (h != PC_NONE && h != begin);
 }
 
 pc_status pc_fansplit_vertices(pc_index **added_source, pc_index *added_count, pc_context *ctx, pc_mesh *mesh,
-                               const pc_index *twin) {
+                               const pc_index *twin, const pc_index *wish) {
     pc_status status = PC_OK;
     pc_index half_count = 3 * mesh->face_count, *fan = NULL;
     size_t room = 0, count = 0;
-    uint8_t *seen = NULL;
+    uint8_t *taken = NULL;
     *added_source = NULL, *added_count = 0;
     PC_TRY(pc_new(&fan, ctx, half_count));
-    PC_TRY(pc_new(&seen, ctx, mesh->vertex_count));
+    PC_TRY(pc_new(&taken, ctx, mesh->vertex_count));
     for (pc_index h = 0; h < half_count; h++)
         fan[h] = PC_NONE;
     for (pc_index h = 0; h < half_count; h++) {
-        pc_index v = mesh->triangle[h], name = v;
         if (fan[h] != PC_NONE) continue;
-        if (seen[v]) {
+        pc_index begin = fan_begin(twin, h), name = free_wish(twin, wish, taken, begin);
+        if (name != PC_NONE) {
+            taken[name] = 1;
+        } else {
             if (count == room) PC_TRY(pc_resize(added_source, ctx, room = room ? 2 * room : 64));
-            (*added_source)[count] = v;
+            (*added_source)[count] = wish[h];
             name = mesh->vertex_count + (pc_index)count++;
         }
-        seen[v] = 1;
-        name_fan(fan, twin, h, name);
+        name_fan(fan, twin, begin, name);
     }
-    for (pc_index h = 0; h < half_count; h++)
-        mesh->triangle[h] = fan[h];
+    memcpy(mesh->triangle, fan, half_count * sizeof *fan);
     *added_count = (pc_index)count;
 done:
     pc_free(ctx, fan);
-    pc_free(ctx, seen);
+    pc_free(ctx, taken);
     if (status != PC_OK) pc_free(ctx, *added_source), *added_source = NULL;
     return status;
 }

@@ -4,12 +4,14 @@
 
 #include "trimesh.h"
 
-/* `twin` (per half-edge, opposite direction, or PC_NONE) says how the faces of `mesh` are glued. Rewrites the
- * triangles: the first fan of a vertex keeps its number, each further one gets a new vertex, numbered from
- * mesh->vertex_count on in order of its first half-edge. `*added_source` holds the vertex that each new one
- * was split from; the caller frees it, and grows mesh->position. */
+/* `twin` (per half-edge, opposite direction, or PC_NONE) says how the faces of `mesh` are glued, `wish` (per
+ * half-edge) which vertex at that place its tail was before vertices were merged. Rewrites the triangles:
+ * each fan of faces around a vertex takes the smallest wish in it that is free, else a new vertex, numbered
+ * from mesh->vertex_count on.
+ * `*added_source` holds the vertex that each new one stands at (one of the fan's wishes); the caller frees
+ * it, and grows mesh->position. */
 pc_status pc_fansplit_vertices(pc_index **added_source, pc_index *added_count, pc_context *ctx, pc_mesh *mesh,
-                               const pc_index *twin);
+                               const pc_index *twin, const pc_index *wish);
 
 /* Half-edges between the same two vertices that are not glued to each other would still be taken for
  * neighbours (after pc_fansplit_vertices this happens where two fans of one vertex pair meet again). All but

@@ -19,11 +19,11 @@ static double largest_part(pc_vec3 a) {
     return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
 }
 
-/* Exact scaling by a power of two, so that squares neither overflow nor underflow. */
+/* Exact scaling by a power of two where squares could overflow or underflow. */
 static pc_vec3 near_one(pc_vec3 a) {
     double size = largest_part(a);
     int exponent = 0;
-    if (!(size > 0)) return a;
+    if (!(size > 0) || (size > 0x1p-200 && size < 0x1p200)) return a;
     (void)frexp(size, &exponent);
     return (pc_vec3){ldexp(a.x, -exponent), ldexp(a.y, -exponent), ldexp(a.z, -exponent)};
 }
@@ -207,9 +207,8 @@ void pc_geometry_vertex_normals(double *normal, const pc_mesh *mesh, const pc_ad
         pc_vec3_put(normal, v, vertex_normal(mesh, adjacency, v, weight));
 }
 
-/* Wirth's selection: afterwards value[rank] is in its sorted place. */
-static double select_rank(double *value, ptrdiff_t count, ptrdiff_t rank) {
-    ptrdiff_t low = 0, high = count - 1;
+/* Wirth's selection: afterwards value[rank] is in its sorted place among value[low .. high]. */
+static double select_rank(double *value, ptrdiff_t low, ptrdiff_t high, ptrdiff_t rank) {
     while (low < high) {
         double pivot = value[rank];
         ptrdiff_t i = low, j = high;
@@ -245,9 +244,10 @@ pc_spread pc_spread_of(double *value, size_t count) {
     spread.min = spread.max = value[0];
     for (size_t i = 1; i < count; i++)
         spread.min = fmin(spread.min, value[i]), spread.max = fmax(spread.max, value[i]);
-    for (int q = 0; q < 7; q++) {
-        double rank = ceil(share[q] * (double)count) - 1;
-        *out[q] = select_rank(value, (ptrdiff_t)count, rank > 0 ? (ptrdiff_t)rank : 0);
+    for (ptrdiff_t q = 0, low = 0; q < 7; q++) {
+        ptrdiff_t rank = (ptrdiff_t)ceil(share[q] * (double)count) - 1;
+        *out[q] = select_rank(value, low, (ptrdiff_t)count - 1, rank < 0 ? 0 : rank);
+        low = rank < 0 ? 0 : rank; /* what is left of it is smaller */
     }
     return spread;
 }

@@ -16,6 +16,7 @@ typedef struct workpiece {
     pc_mesh mesh;
     pc_index *face_source, *vertex_source;
     pc_index *half_source; /* per half-edge: the given half-edge on the same edge; until edges are cut */
+    pc_index *wish;        /* per half-edge: the given vertex at its tail */
     pc_index *weld;        /* per given vertex: the one it was merged into */
     uint8_t *doubled;      /* per face: a dropped duplicate ran the other way round */
 } workpiece;
@@ -38,6 +39,8 @@ static pc_status begin_work(workpiece *w, pc_context *ctx) {
     PC_TRY(pc_new(&w->face_source, ctx, w->in->face_count));
     PC_TRY(pc_new(&w->vertex_source, ctx, w->in->vertex_count));
     PC_TRY(pc_new(&w->half_source, ctx, half_count));
+    PC_TRY(pc_new(&w->wish, ctx, half_count));
+    memcpy(w->wish, w->in->triangle, half_count * sizeof *w->wish);
     for (pc_index f = 0; f < w->in->face_count; f++)
         w->face_source[f] = f;
     for (pc_index v = 0; v < w->in->vertex_count; v++)
@@ -62,6 +65,7 @@ static pc_status keep_faces(workpiece *w, pc_context *ctx, const uint8_t *drop, 
         for (pc_index k = 0; k < 3; k++) {
             w->mesh.triangle[3 * g + k] = w->mesh.triangle[3 * f + k];
             w->half_source[3 * g + k] = w->half_source[3 * f + k];
+            w->wish[3 * g + k] = w->wish[3 * f + k];
             if (!twin) continue;
             pc_index t = twin[3 * f + k];
             twin[3 * g + k] = t == PC_NONE || target[t / 3] == PC_NONE ? PC_NONE : 3 * target[t / 3] + t % 3;
@@ -73,15 +77,61 @@ done:
     return status;
 }
 
-static pc_status merge_vertices(workpiece *w, pc_repair_report *report, pc_context *ctx) {
-    pc_status status = pc_duplicates_of_vertices(&w->weld, ctx, w->in);
-    if (status != PC_OK) return status;
+/* Do two faces, and no duplicate of one another, share this edge? */
+static bool inside_surface(const pc_mesh *mesh, const pc_index *weld, const pc_index *half, pc_index count) {
+    return count == 2 && weld[pc_tail(mesh, pc_prev(half[0]))] != weld[pc_tail(mesh, pc_prev(half[1]))];
+}
+
+/* Marks the vertices that may gain by merging: those on an edge without exactly two faces (a seam may close
+ * there) and on an edge of no length. The others are inside a surface; what they touch there is none of their
+ * neighbours. */
+static void mark_mergeable(uint8_t *mergeable, const pc_mesh *mesh, const pc_index *weld,
+                           const pc_halfsort *sorted) {
+    for (pc_index v = 0; v < mesh->vertex_count; v++)
+        for (pc_index i = sorted->start[v], end = sorted->start[v + 1], next; i < end; i = next) {
+            pc_index w = pc_high_end(mesh, sorted->half[i]);
+            next = pc_run_end(sorted, mesh, i, end);
+            if (weld[v] == weld[w] || !inside_surface(mesh, weld, sorted->half + i, next - i))
+                mergeable[v] = mergeable[w] = 1;
+        }
+}
+
+/* Leaves in w->weld, and so in the faces, merges of mergeable vertices only. */
+static pc_status keep_useful_merges(workpiece *w, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_halfsort sorted = {0};
+    uint8_t *mergeable = NULL;
+    pc_index *first = NULL;
+    PC_TRY(pc_halfsort_make(&sorted, ctx, w->in));
+    PC_TRY(pc_new(&mergeable, ctx, w->in->vertex_count));
+    PC_TRY(pc_new(&first, ctx, w->in->vertex_count));
+    mark_mergeable(mergeable, w->in, w->weld, &sorted);
+    memset(first, 0xff, w->in->vertex_count * sizeof *first); /* PC_NONE */
+    for (pc_index v = 0; v < w->in->vertex_count; v++) {
+        pc_index place = w->weld[v];
+        if (mergeable[v] && first[place] == PC_NONE) first[place] = v;
+        w->weld[v] = mergeable[v] ? first[place] : v;
+    }
+done:
+    pc_halfsort_free(&sorted, ctx);
+    pc_free(ctx, mergeable);
+    pc_free(ctx, first);
+    return status;
+}
+
+static pc_status merge_vertices(workpiece *w, pc_context *ctx) {
+    pc_status status = PC_OK;
+    bool any = false;
+    PC_TRY(pc_duplicates_of_vertices(&w->weld, ctx, w->in));
     for (pc_index v = 0; v < w->in->vertex_count; v++)
-        if (w->weld[v] != v) pc_defect_note(&report->merged_vertices, v);
-    if (!report->merged_vertices.count) return PC_OK;
+        any = any || w->weld[v] != v;
+    if (!any) goto done;
+    PC_TRY(keep_useful_merges(w, ctx));
+#pragma omp parallel for schedule(static)
     for (size_t i = 0; i < 3 * (size_t)w->mesh.face_count; i++)
         w->mesh.triangle[i] = w->weld[w->mesh.triangle[i]];
-    return PC_OK;
+done:
+    return status;
 }
 
 static pc_status drop_degenerate(workpiece *w, pc_repair_report *report, pc_context *ctx) {
@@ -164,19 +214,34 @@ done:
     return status;
 }
 
+static pc_status refuse_crowded(const pc_sheets *sheets, const workpiece *w, const pc_repair_report *report,
+                                pc_context *ctx, const pc_repair_options *options) {
+    pc_index h = report->crowded_edges.id[0], a = pc_tail(w->in, h), b = pc_head(w->in, h);
+    double share = (double)sheets->crowded_count / sheets->edge_count;
+    if (options->strict)
+        return pc_fail(
+            ctx, PC_E_MESH,
+            "%u edges have more than two faces, the first is %u-%u at face %u: without strict checking they "
+            "are cut into sheets",
+            sheets->crowded_count, a, b, h / 3);
+    if (sheets->crowded_count > PC_REPAIR_FEW_CROWDED && share > options->crowded_share)
+        return pc_fail(
+            ctx, PC_E_MESH,
+            "%.0f %% of the edges (%u, the first is %u-%u at face %u) have more than two faces: this is no "
+            "surface but perhaps all faces of a volume mesh; export its outer surface alone",
+            100 * share, sheets->crowded_count, a, b, h / 3);
+    return PC_OK;
+}
+
 static pc_status judge_sheets(const pc_sheets *sheets, const workpiece *w, pc_repair_report *report,
                               pc_context *ctx, const pc_repair_options *options) {
     for (pc_index i = 0; i < sheets->crowded_count; i++)
         pc_defect_note(&report->crowded_edges, w->half_source[sheets->crowded[i]]);
     for (pc_index i = 0; i < sheets->torn_count; i++)
         pc_defect_note(&report->torn_edges, w->half_source[sheets->torn[i]]);
-    if (sheets->crowded_count && options->strict) {
-        pc_index h = report->crowded_edges.id[0];
-        return pc_fail(
-            ctx, PC_E_MESH,
-            "%u edges have more than two faces, the first is %u-%u at face %u: without strict checking they "
-            "are cut into sheets",
-            sheets->crowded_count, pc_tail(w->in, h), pc_head(w->in, h), h / 3);
+    if (sheets->crowded_count) {
+        pc_status status = refuse_crowded(sheets, w, report, ctx, options);
+        if (status != PC_OK) return status;
     }
     if (sheets->torn_count && !options->tear_nonorientable) {
         pc_index h = report->torn_edges.id[0];
@@ -198,10 +263,11 @@ static void turn_faces(workpiece *w, pc_repair_report *report, pc_sheets *sheets
         }
     for (pc_index f = 0; f < w->mesh.face_count; f++) {
         pc_index *t = w->mesh.triangle + 3 * (size_t)f, *s = w->half_source + 3 * (size_t)f;
-        pc_index *twin = sheets->twin + 3 * (size_t)f, swap;
+        pc_index *twin = sheets->twin + 3 * (size_t)f, *wish = w->wish + 3 * (size_t)f, swap;
         if (!sheets->flip[f]) continue;
         pc_defect_note(&report->flipped_faces, w->face_source[f]);
         swap = t[1], t[1] = t[2], t[2] = swap;
+        swap = wish[1], wish[1] = wish[2], wish[2] = swap;
         swap = s[0], s[0] = s[2], s[2] = swap;
         swap = twin[0], twin[0] = twin[2], twin[2] = swap;
     }
@@ -255,7 +321,7 @@ static pc_status split_fans(workpiece *w, pc_repair_report *report, pc_context *
     pc_status status = PC_OK;
     pc_index *source = NULL, count;
     uint8_t *noted = NULL;
-    PC_TRY(pc_fansplit_vertices(&source, &count, ctx, &w->mesh, sheets->twin));
+    PC_TRY(pc_fansplit_vertices(&source, &count, ctx, &w->mesh, sheets->twin, w->wish));
     if (!count) goto done;
     PC_TRY(pc_new(&noted, ctx, w->mesh.vertex_count));
     for (pc_index i = 0; i < count; i++) {
@@ -322,19 +388,27 @@ done:
     return status;
 }
 
+/* A given vertex that is gone was merged where another at its place is left, else nothing used it. */
+static void note_gone(const workpiece *w, pc_repair_report *report, const pc_index *target, uint8_t *alive) {
+    for (pc_index v = 0; v < w->mesh.vertex_count; v++)
+        if (target[v]) alive[w->weld[w->vertex_source[v]]] = 1;
+    for (pc_index v = 0; v < w->in->vertex_count; v++)
+        if (!target[v])
+            pc_defect_note(alive[w->weld[v]] ? &report->merged_vertices : &report->isolated_vertices, v);
+}
+
 /* Only vertices in use remain, in order. */
-static pc_status drop_isolated(workpiece *w, pc_repair_report *report, pc_context *ctx) {
+static pc_status drop_unused(workpiece *w, pc_repair_report *report, pc_context *ctx) {
     pc_status status = PC_OK;
     pc_index *target = NULL, kept = 0;
+    uint8_t *alive = NULL;
     PC_TRY(pc_new(&target, ctx, w->mesh.vertex_count));
+    PC_TRY(pc_new(&alive, ctx, w->in->vertex_count));
     for (size_t i = 0; i < 3 * (size_t)w->mesh.face_count; i++)
         target[w->mesh.triangle[i]] = 1;
+    note_gone(w, report, target, alive);
     for (pc_index v = 0; v < w->mesh.vertex_count; v++) {
-        if (!target[v]) {
-            if (v < w->in->vertex_count && w->weld[v] == v) pc_defect_note(&report->isolated_vertices, v);
-            target[v] = PC_NONE;
-            continue;
-        }
+        if (!target[v]) continue;
         target[v] = kept;
         w->vertex_source[kept] = w->vertex_source[v];
         memmove(w->mesh.position + 3 * (size_t)kept++, w->mesh.position + 3 * (size_t)v, 3 * sizeof(double));
@@ -344,6 +418,7 @@ static pc_status drop_isolated(workpiece *w, pc_repair_report *report, pc_contex
     w->mesh.vertex_count = kept;
 done:
     pc_free(ctx, target);
+    pc_free(ctx, alive);
     return status;
 }
 
@@ -381,16 +456,28 @@ done:
     return status;
 }
 
+/* Where each given vertex is now: in its own name, else the first of those at its place. */
+static pc_status find_targets(pc_repair_report *report, pc_context *ctx, const workpiece *w) {
+    pc_status status = PC_OK;
+    pc_index given = w->in->vertex_count, *place = NULL, *target;
+    PC_TRY(pc_new(&report->vertex_target, ctx, given));
+    PC_TRY(pc_new(&place, ctx, given));
+    target = report->vertex_target;
+    for (pc_index v = 0; v < given; v++)
+        target[v] = place[v] = PC_NONE;
+    for (pc_index v = w->mesh.vertex_count; v-- > 0;)
+        target[w->vertex_source[v]] = place[w->weld[w->vertex_source[v]]] = v;
+    for (pc_index v = 0; v < given; v++)
+        if (target[v] == PC_NONE) target[v] = place[w->weld[v]];
+done:
+    pc_free(ctx, place);
+    return status;
+}
+
 static pc_status hand_over(pc_mesh *out, pc_repair_report *report, pc_context *ctx, workpiece *w) {
     pc_status status = PC_OK;
     const pc_mesh *in = w->in;
-    PC_TRY(pc_new(&report->vertex_target, ctx, in->vertex_count));
-    for (pc_index v = 0; v < in->vertex_count; v++)
-        report->vertex_target[v] = PC_NONE;
-    for (pc_index v = w->mesh.vertex_count; v-- > 0;)
-        report->vertex_target[w->vertex_source[v]] = v;
-    for (pc_index v = 0; v < in->vertex_count; v++)
-        report->vertex_target[v] = report->vertex_target[w->weld[v]];
+    PC_TRY(find_targets(report, ctx, w));
     PC_TRY(pc_resize(&w->mesh.position, ctx, 3 * (size_t)w->mesh.vertex_count));
     PC_TRY(pc_resize(&w->mesh.triangle, ctx, 3 * (size_t)w->mesh.face_count));
     PC_TRY(pc_resize(&w->vertex_source, ctx, w->mesh.vertex_count));
@@ -415,12 +502,12 @@ pc_status pc_repair(pc_mesh *out, pc_repair_report *report, pc_context *ctx, con
     *report = (pc_repair_report){0};
     PC_TRY(pc_repair_check_input(ctx, in));
     PC_TRY(begin_work(&w, ctx));
-    PC_TRY(merge_vertices(&w, report, ctx));
+    PC_TRY(merge_vertices(&w, ctx));
     PC_TRY(drop_degenerate(&w, report, ctx));
     PC_TRY(drop_duplicates(&w, report, ctx));
     PC_TRY(drop_folds(&w, report, ctx));
     PC_TRY(make_surface(&w, report, ctx, options));
-    PC_TRY(drop_isolated(&w, report, ctx));
+    PC_TRY(drop_unused(&w, report, ctx));
     if (!w.mesh.face_count) {
         status = pc_fail(ctx, PC_E_MESH,
                          "no face is left: %u degenerate and %u duplicate ones, %u in pieces under %u",
@@ -435,6 +522,7 @@ done:
     pc_free(ctx, w.face_source);
     pc_free(ctx, w.vertex_source);
     pc_free(ctx, w.half_source);
+    pc_free(ctx, w.wish);
     pc_free(ctx, w.weld);
     pc_free(ctx, w.doubled);
     if (status != PC_OK) pc_repair_report_free(report, ctx);

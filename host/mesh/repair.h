@@ -9,9 +9,13 @@ typedef struct pc_repair_options {
     bool tear_nonorientable; /* tear a piece without orientation (Moebius strip) open along a seam instead of
                                 refusing */
     pc_index min_component;  /* drop pieces with fewer faces than this */
+    double crowded_share;    /* refuse where more than this share of the edges has more than two faces: no
+                                surface */
 } pc_repair_options;
 #define PC_REPAIR_DEFAULTS                                                                                   \
-    { false, false, 0 }
+    { false, false, 0, 0.05 }
+/* So many crowded edges are cut in any case. */
+enum { PC_REPAIR_FEW_CROWDED = 32 };
 
 /* How often a defect occurs, and the first few places. */
 enum { PC_DEFECT_IDS = 8 };
@@ -48,14 +52,15 @@ typedef struct pc_repair_report {
 } pc_repair_report;
 
 /* `in` may be any soup of triangles; `out` passes pc_mesh_check and pc_adjacency_make and has edges of
- * positive length. In order: vertices at exactly the same position are merged; faces with a repeated vertex
- * and duplicates dropped; crowded edges cut into sheets (pc_sheets_make tells how) and pieces oriented; small
- * pieces dropped; vertices split into one per fan; edges that still run between the same two vertices get a
- * new vertex in the middle; unused vertices dropped; zero-area faces cured where flipping their longest edge
- * leaves the surface as it is (else they stay: removing one would open a crack). What is not defective keeps
- * its order and place, and a clean mesh comes out as it was. The caller frees `out` and `report`. PC_E_MESH,
- * with ids and a hint: vertex index out of range, coordinate not finite, no face left, a piece without
- * orientation (unless tear_nonorientable), crowded edges with `strict`. */
+ * positive length. In order: vertices at exactly the same position are merged where they are on open or
+ * crowded edges or on edges of no length (two surfaces that touch inside stay apart); faces with a repeated
+ * vertex and duplicates dropped; crowded edges cut into sheets (pc_sheets_make tells how) and pieces
+ * oriented; small pieces dropped; vertices split into one per fan; edges that still run between the same two
+ * vertices get a new vertex in the middle; unused vertices dropped; zero-area faces cured where flipping
+ * their longest edge leaves the surface as it is (else they stay: removing one would open a crack). What is
+ * not defective keeps its order and place, and a clean mesh comes out as it was. The caller frees `out` and
+ * `report`. PC_E_MESH, with ids and a hint: vertex index out of range, coordinate not finite, no face left, a
+ * piece without orientation (unless tear_nonorientable), crowded edges with `strict` or too many of them. */
 pc_status pc_repair(pc_mesh *out, pc_repair_report *report, pc_context *ctx, const pc_mesh *in,
                     const pc_repair_options *options);
 /* What pc_repair demands of any soup: vertex indices in range, coordinates finite. PC_E_MESH names the first

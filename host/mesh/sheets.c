@@ -73,6 +73,7 @@ static void glue_pairs(pc_sheets *sheets, work *w) {
     for (pc_index v = 0; v < w->mesh->vertex_count; v++)
         for (pc_index i = w->sorted.start[v], end = w->sorted.start[v + 1], next; i < end; i = next) {
             next = pc_run_end(&w->sorted, w->mesh, i, end);
+            sheets->edge_count++;
             if (next - i == 1) {
                 w->single[half[i]] = 1;
             } else if (next - i == 2) {

@@ -13,6 +13,7 @@ typedef struct pc_sheets {
     uint8_t *flip;   /* per face: 1 where it must be turned round, so that all glued pairs are opposite */
     pc_index *piece; /* per face: its connected piece, numbered by smallest face */
     pc_index piece_count;
+    pc_index edge_count;
     uint8_t *vertex_cut; /* per vertex: 1 at the ends of crowded and torn edges */
     pc_index *crowded;   /* one half-edge of each edge with more than two faces */
     pc_index crowded_count;

@@ -94,6 +94,7 @@ pc_status pc_coned_make(pc_coned *coned, pc_context *ctx, const pc_mesh *mesh, c
         split_face(coned, at, mesh, param, f, cone++);
         at += 3;
     }
+    pc_log(ctx, PC_LOG_DEBUG, "cones: %u", cones);
 done:
     if (status != PC_OK) pc_coned_free(coned, ctx);
     return status;

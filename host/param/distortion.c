@@ -1,14 +1,15 @@
 #include "distortion.h"
+#include "deviation.h"
 #include "memory.h"
 #include "vec3.h"
 
-enum { BLOCK = 4096 };
-
-/* Sums over a block of faces. */
-typedef struct sums {
-    double area, param_area, stretch, shear, log, log2, weight;
-    pc_index kind[4];
-} sums;
+/* Of every face; weight 0 where it has no say. */
+typedef struct figures {
+    double *area, *param_area;
+    double *stretch2; /* square of the L2 stretch, at any scale */
+    double *shear;
+    double *log_sum, *log_square; /* over both singular values, base 2 */
+} figures;
 
 /* S^r with S(s,t) = (t,-s). */
 static void turn(double st[2], int r) {
@@ -34,7 +35,7 @@ void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mes
 
 /* Sander, Snyder, Gortler and Hoppe, Texture mapping progressive meshes, 2001: the two partial derivatives.
  */
-static void add_face(sums *sum, const pc_mesh *mesh, const pc_param *param, pc_index f) {
+static void measure_face(const figures *out, const pc_mesh *mesh, const pc_param *param, pc_index f) {
     double st[3][2];
     pc_vec3 p[3];
     pc_param_corners(st, param, mesh, f);
@@ -49,63 +50,66 @@ static void add_face(sums *sum, const pc_mesh *mesh, const pc_param *param, pc_i
     pc_vec3 along_t = pc_scale(1 / twice, pc_sub(pc_scale(s1, e2), pc_scale(s2, e1)));
     double a = pc_dot(along_s, along_s), b = pc_dot(along_s, along_t), c = pc_dot(along_t, along_t);
     double root = sqrt((a - c) * (a - c) + 4 * b * b), large = (a + c + root) / 2;
-    double small = large > 0 ? fmax(a * c - b * b, 0) / large : 0;
-    sum->area += area;
-    sum->param_area += twice / 2;
-    sum->stretch += area * (a + c) / 2;
-    if (a > 0 && c > 0) sum->shear += area * fabs(b) / sqrt(a * c);
-    if (small > 0) {
-        const double logs[2] = {log2(large) / 2, log2(small) / 2};
-        for (int i = 0; i < 2; i++)
-            sum->log += area * logs[i], sum->log2 += area * logs[i] * logs[i], sum->weight += area;
-    }
+    double small =
+        area / (twice / 2) * (area / (twice / 2)) / large; /* their product is the ratio of areas */
+    out->area[f] = area;
+    out->param_area[f] = twice / 2;
+    out->stretch2[f] = (a + c) / 2;
+    out->shear[f] = fabs(b) / sqrt(a * c);
+    out->log_sum[f] = (log2(large) + log2(small)) / 2;
+    out->log_square[f] = (log2(large) * log2(large) + log2(small) * log2(small)) / 4;
 }
 
-static void sum_block(sums *sum, const pc_mesh *mesh, const pc_param *param, size_t block) {
-    pc_index first = (pc_index)(block * BLOCK);
-    pc_index end = mesh->face_count - first < BLOCK ? mesh->face_count : first + BLOCK;
-    for (pc_index f = first; f < end; f++) {
-        int kind = param->singular[f] & 3;
-        sum->kind[kind]++;
-        if (kind == PC_REGULAR) add_face(sum, mesh, param, f);
+/* The normalised stretch of the faces that are stretched by no more than the limit. */
+static double stretch_up_to(const figures *v, pc_index count, double limit) {
+    double area = 0, param_area = 0, sum = 0;
+    for (pc_index f = 0; f < count; f++) {
+        if (v->stretch2[f] > limit) continue;
+        area += v->area[f], param_area += v->param_area[f];
+        sum += v->area[f] * v->stretch2[f];
     }
+    return area > 0 ? sqrt(sum / area * (param_area / area)) : 0;
 }
 
-static void finish(pc_distortion *d, const sums *s, pc_index face_count) {
-    *d = (pc_distortion){.regular_faces = s->kind[PC_REGULAR],
-                         .dislocations = s->kind[PC_DISLOCATION],
-                         .field_singularities = s->kind[PC_FIELD_SINGULARITY],
-                         .flipped = s->kind[PC_FLIPPED]};
-    if (face_count) d->singular_percent = 100.0 * (face_count - d->regular_faces) / face_count;
-    if (!(s->area > 0)) return;
-    d->stretch = sqrt(s->stretch / s->area * (s->param_area / s->area));
-    d->shear = s->shear / s->area;
-    double mean = s->weight > 0 ? s->log / s->weight : 0;
-    d->length_error = s->weight > 0 ? sqrt(fmax(s->log2 / s->weight - mean * mean, 0)) : 0;
+static void sum_up(pc_distortion *d, const figures *v, const pc_mesh *mesh, const pc_param *param) {
+    pc_index kind[4] = {0}, count = mesh->face_count;
+    double area = 0, shear = 0, log_sum = 0, log_square = 0;
+    for (pc_index f = 0; f < count; f++) {
+        kind[param->singular[f] & 3]++;
+        area += v->area[f];
+        shear += v->area[f] * v->shear[f];
+        log_sum += v->area[f] * v->log_sum[f];
+        log_square += v->area[f] * v->log_square[f];
+    }
+    *d = (pc_distortion){.regular_faces = kind[PC_REGULAR],
+                         .dislocations = kind[PC_DISLOCATION],
+                         .field_singularities = kind[PC_FIELD_SINGULARITY],
+                         .flipped = kind[PC_FLIPPED]};
+    if (count) d->singular_percent = 100.0 * (count - d->regular_faces) / count;
+    if (!(area > 0)) return;
+    d->stretch = stretch_up_to(v, count, INFINITY);
+    d->stretch_core = stretch_up_to(v, count, pc_weighted_quantile(v->stretch2, v->area, count, 0.99));
+    d->shear = shear / area;
+    double mean = log_sum / (2 * area);
+    d->length_error = sqrt(fmax(log_square / (2 * area) - mean * mean, 0));
 }
 
 pc_status pc_distortion_measure(pc_distortion *distortion, pc_context *ctx, const pc_mesh *mesh,
                                 const pc_param *param) {
     pc_status status = PC_OK;
-    size_t blocks = (mesh->face_count + (size_t)BLOCK - 1) / BLOCK;
-    sums *part = NULL, sum = {0};
+    size_t count = mesh->face_count;
+    double *all = NULL;
     *distortion = (pc_distortion){0};
     if (param->face_count != mesh->face_count || param->vertex_count != mesh->vertex_count)
         return pc_fail(ctx, PC_E_BUG, "the parameterization has %u faces, the mesh %u", param->face_count,
                        mesh->face_count);
-    PC_TRY(pc_new(&part, ctx, blocks));
+    PC_TRY(pc_new(&all, ctx, 6 * count));
+    const figures v = {all, all + count, all + 2 * count, all + 3 * count, all + 4 * count, all + 5 * count};
 #pragma omp parallel for schedule(static)
-    for (size_t b = 0; b < blocks; b++)
-        sum_block(part + b, mesh, param, b);
-    for (size_t b = 0; b < blocks; b++) {
-        sum.area += part[b].area, sum.param_area += part[b].param_area;
-        sum.stretch += part[b].stretch, sum.shear += part[b].shear;
-        sum.log += part[b].log, sum.log2 += part[b].log2, sum.weight += part[b].weight;
-        for (int k = 0; k < 4; k++)
-            sum.kind[k] += part[b].kind[k];
-    }
-    finish(distortion, &sum, mesh->face_count);
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        if (param->singular[f] == PC_REGULAR) measure_face(&v, mesh, param, f);
+    sum_up(distortion, &v, mesh, param);
 done:
-    pc_free(ctx, part);
+    pc_free(ctx, all);
     return status;
 }

@@ -8,9 +8,10 @@ typedef struct pc_distortion {
     pc_index regular_faces; /* those that the figures below are about */
     pc_index dislocations, field_singularities, flipped;
     double singular_percent; /* of all faces: all but the regular ones */
-    double stretch; /* normalised L2 stretch (Sander et al. 2001, equations 3 and 4): 1 for an isometry,
-                       of any scale */
-    double shear; /* mean |cos| of the angle between dX/ds and dX/dt, weighted by area: 0 where orthogonal */
+    double stretch; /* normalised L2 stretch (Sander et al. 2001, equations 3 and 4): 1 for an isometry of any
+                       scale; a handful of nearly collapsed faces can make it large */
+    double stretch_core; /* the same without the most stretched faces, 1 % of the area */
+    double shear;        /* mean |cos| of the angle between dX/ds and dX/dt, weighted by area; ideal 0 */
     double length_error; /* area-weighted root mean square of log2(singular value / its mean) */
 } pc_distortion;
 

@@ -4,6 +4,7 @@
 #include "pgp.h"
 #include "reconstruct.h"
 #include "transition.h"
+#include "untangle.h"
 #include "vec3.h"
 
 static pc_status make_arrays(pc_param *param, pc_context *ctx, const pc_mesh *mesh, double period_length) {
@@ -75,6 +76,9 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
         pc_log(ctx, PC_LOG_DEBUG, "integrated: %u dislocations, %u field singularities, %u flipped",
                stats->dislocations, stats->field_singularities, stats->flipped);
     }
+    PC_TRY(pc_untangle(param, ctx, mesh, adjacency));
+    count_flags(stats, param);
+    pc_log(ctx, PC_LOG_DEBUG, "untangled: %u flipped", stats->flipped);
 done:
     pc_coupling_free(&coupling, ctx);
     pc_edge_rows_free(&rows, ctx);

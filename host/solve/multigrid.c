@@ -187,9 +187,16 @@ pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_s
     return build(multigrid, ctx, system);
 }
 
-static void free_values(pc_multigrid *mg, pc_context *ctx) {
+pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {
+    *multigrid = (pc_multigrid){.level_count = 1, .finest_only = true};
+    pc_status status = finest(multigrid, ctx, system);
+    if (status != PC_OK) pc_multigrid_free(multigrid, ctx);
+    return status;
+}
+
+void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx) {
     for (int k = 0; k < PC_MOST_LEVELS; k++) {
-        pc_level *level = &mg->level[k];
+        pc_level *level = &multigrid->level[k];
         pc_blockmat_free(&level->matrix, ctx);
         pc_blockmat_free(&level->prolongator, ctx);
         pc_blockmat_free(&level->restriction, ctx);
@@ -199,17 +206,17 @@ static void free_values(pc_multigrid *mg, pc_context *ctx) {
             *vectors[v] = NULL;
         }
     }
-    pc_free(ctx, mg->inverse);
-    mg->inverse = NULL;
+    pc_free(ctx, multigrid->inverse);
+    multigrid->inverse = NULL;
 }
 
 pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {
-    free_values(multigrid, ctx);
+    pc_multigrid_free_values(multigrid, ctx);
     return build(multigrid, ctx, system);
 }
 
 void pc_multigrid_free(pc_multigrid *multigrid, pc_context *ctx) {
-    free_values(multigrid, ctx);
+    pc_multigrid_free_values(multigrid, ctx);
     for (int k = 0; k < PC_MOST_LEVELS; k++)
         pc_aggregates_free(&multigrid->level[k].aggregates, ctx);
     *multigrid = (pc_multigrid){0};

@@ -25,16 +25,21 @@ typedef struct pc_level {
 
 typedef struct pc_multigrid {
     int level_count;
-    double scale;   /* the levels hold scale*A, of mean diagonal 1 */
-    float *inverse; /* dense, of the last level; NULL where smoothing alone solves it */
+    bool finest_only; /* one level to hold the matrix, without smoother */
+    double scale;     /* the levels hold scale*A, of mean diagonal 1 */
+    float *inverse;   /* dense, of the last level; NULL where smoothing alone solves it */
     pc_level level[PC_MOST_LEVELS];
 } pc_multigrid;
 
 /* Builds all levels. `system` is read only during the call. */
 pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
+/* The finest level alone, for block-Jacobi on a device. */
+pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
 /* New values on the same graph: groups stay, all else is made anew. On failure the hierarchy is empty. */
 pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
 void pc_multigrid_free(pc_multigrid *multigrid, pc_context *ctx);
+/* Frees all but the groups, which an update needs. */
+void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx);
 
 /* The vectors of the host cycle; not needed where a device runs it. */
 pc_status pc_multigrid_make_vectors(pc_multigrid *multigrid, pc_context *ctx);

@@ -1,6 +1,7 @@
-/* Preconditioned conjugate gradients on the host. */
+/* Preconditioned conjugate gradients: the host's, and the choice between host and device. */
 #include "solver.h"
 #include "clock.h"
+#include "devsolve.h"
 #include "hostvec.h"
 #include "memory.h"
 #include "multigrid.h"
@@ -10,37 +11,64 @@
 struct pc_solver {
     pc_device *device;
     pc_solver_options options;
-    pc_system system; /* a copy */
-    bool has_cycle;
-    pc_multigrid multigrid;
+    pc_block_kind kind;
+    pc_index row_count;
+    pc_index entry_count;
     double setup_seconds;
+    pc_multigrid multigrid; /* on a device only its groups are kept here */
+    pc_devsolve *devsolve;  /* NULL on the host */
+    pc_system system;       /* a copy; host only, as all below */
+    bool has_cycle;
     double *r, *z, *p, *q;
 };
 
 static size_t unknowns(const pc_solver *s) {
-    return (size_t)s->system.row_count * (size_t)pc_block_width(s->system.kind);
+    return (size_t)s->row_count * (size_t)pc_block_width(s->kind);
+}
+
+static pc_status check_diagonal(pc_context *ctx, const pc_system *system) {
+    for (pc_index i = 0; i < system->row_count; i++) {
+        if (!(system->diagonal[i] > 0) || !isfinite(system->diagonal[i]))
+            return pc_fail(ctx, PC_E_BUG, "system row %u: diagonal %g", i, system->diagonal[i]);
+    }
+    return PC_OK;
 }
 
 static pc_status copy_system(pc_system *to, pc_context *ctx, const pc_system *from) {
     size_t entries = from->start[from->row_count];
+    pc_system_free(to, ctx);
     pc_status status = pc_system_make(to, ctx, from->kind, from->row_count, entries);
     if (status != PC_OK) return status;
     memcpy(to->start, from->start, ((size_t)from->row_count + 1) * sizeof *to->start);
     memcpy(to->column, from->column, entries * sizeof *to->column);
-    return PC_OK;
-}
-
-static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *from) {
-    pc_system *to = &s->system;
-    size_t entries = from->start[from->row_count];
-    for (pc_index i = 0; i < from->row_count; i++) {
-        if (!(from->diagonal[i] > 0) || !isfinite(from->diagonal[i]))
-            return pc_fail(ctx, PC_E_BUG, "system row %u: diagonal %g", i, from->diagonal[i]);
-    }
     memcpy(to->diagonal, from->diagonal, from->row_count * sizeof *to->diagonal);
     memcpy(to->value, from->value, entries * (size_t)pc_block_width(from->kind) * sizeof *to->value);
     if (to->turn) memcpy(to->turn, from->turn, entries);
     return PC_OK;
+}
+
+/* Set-up for values; the groups of rows are reused where there are some. */
+static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *system) {
+    pc_status status = PC_OK;
+    const bool multigrid = s->options.preconditioner == PC_PRECONDITION_MULTIGRID;
+    s->has_cycle = false;
+    pc_devsolve_free(s->devsolve, ctx);
+    s->devsolve = NULL;
+    PC_TRY(check_diagonal(ctx, system));
+    if (multigrid)
+        PC_TRY(pc_multigrid_update(&s->multigrid, ctx, system));
+    else if (!pc_device_is_host(s->device))
+        PC_TRY(pc_multigrid_make_finest(&s->multigrid, ctx, system));
+    if (pc_device_is_host(s->device)) {
+        PC_TRY(copy_system(&s->system, ctx, system));
+        if (multigrid) PC_TRY(pc_multigrid_make_vectors(&s->multigrid, ctx));
+        s->has_cycle = multigrid;
+    } else {
+        PC_TRY(pc_devsolve_make(&s->devsolve, ctx, s->device, system, &s->multigrid));
+        pc_multigrid_free_values(&s->multigrid, ctx);
+    }
+done:
+    return status;
 }
 
 pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device, const pc_system *system,
@@ -53,17 +81,15 @@ pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device,
     PC_TRY(pc_new(&s, ctx, 1));
     s->device = device;
     s->options = options ? *options : defaults;
-    PC_TRY(copy_system(&s->system, ctx, system));
+    s->kind = system->kind;
+    s->row_count = system->row_count;
+    s->entry_count = system->start[system->row_count];
     PC_TRY(take_values(s, ctx, system));
-    if (s->options.preconditioner == PC_PRECONDITION_MULTIGRID) {
-        PC_TRY(pc_multigrid_make(&s->multigrid, ctx, &s->system));
-        PC_TRY(pc_multigrid_make_vectors(&s->multigrid, ctx));
-        s->has_cycle = true;
+    if (pc_device_is_host(device)) {
+        double **vectors[4] = {&s->r, &s->z, &s->p, &s->q};
+        for (int v = 0; v < 4; v++)
+            PC_TRY(pc_new(vectors[v], ctx, unknowns(s)));
     }
-    PC_TRY(pc_new(&s->r, ctx, unknowns(s)));
-    PC_TRY(pc_new(&s->z, ctx, unknowns(s)));
-    PC_TRY(pc_new(&s->p, ctx, unknowns(s)));
-    PC_TRY(pc_new(&s->q, ctx, unknowns(s)));
     s->setup_seconds = pc_clock_wall() - begin;
 done:
     if (status == PC_OK)
@@ -75,24 +101,19 @@ done:
 
 pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *system) {
     double begin = pc_clock_wall();
-    if (system->kind != solver->system.kind || system->row_count != solver->system.row_count ||
-        system->start[system->row_count] != solver->system.start[system->row_count])
+    if (system->kind != solver->kind || system->row_count != solver->row_count ||
+        system->start[system->row_count] != solver->entry_count)
         return pc_fail(ctx, PC_E_BUG, "a solver was given values for another graph");
     pc_status status = take_values(solver, ctx, system);
-    if (status == PC_OK && solver->options.preconditioner == PC_PRECONDITION_MULTIGRID) {
-        solver->has_cycle = false;
-        status = pc_multigrid_update(&solver->multigrid, ctx, &solver->system);
-        if (status == PC_OK) status = pc_multigrid_make_vectors(&solver->multigrid, ctx);
-        solver->has_cycle = status == PC_OK;
-    }
     solver->setup_seconds = pc_clock_wall() - begin;
     return status;
 }
 
 void pc_solver_free(pc_solver *solver, pc_context *ctx) {
     if (!solver) return;
-    pc_system_free(&solver->system, ctx);
+    pc_devsolve_free(solver->devsolve, ctx);
     pc_multigrid_free(&solver->multigrid, ctx);
+    pc_system_free(&solver->system, ctx);
     pc_free(ctx, solver->r);
     pc_free(ctx, solver->z);
     pc_free(ctx, solver->p);
@@ -163,7 +184,12 @@ pc_status pc_solver_solve(pc_solver *solver, pc_context *ctx, double *x, const d
     if (!stats) stats = &own;
     *stats = (pc_solver_stats){.setup_seconds = solver->setup_seconds};
     double begin = pc_clock_wall();
-    pc_status status = solve_host(solver, ctx, x, b, tolerance, stats);
+    pc_status status = PC_OK;
+    if (solver->row_count > 0) {
+        status = solver->devsolve ? pc_devsolve_run(solver->devsolve, ctx, x, b, tolerance,
+                                                    solver->options.max_iterations, stats)
+                                  : solve_host(solver, ctx, x, b, tolerance, stats);
+    }
     stats->solve_seconds = pc_clock_wall() - begin;
     return status;
 }

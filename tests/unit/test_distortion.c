@@ -84,6 +84,7 @@ static void linear_maps(void **state) {
         d = of_linear_map(ctx, squeezed, seed);
         assert_true(fabs(d.stretch - sqrt(1.25)) < 1e-6 && d.shear < 1e-6 &&
                     fabs(d.length_error - 0.5) < 1e-6);
+        assert_true(fabs(d.stretch_core - sqrt(1.25)) < 1e-6);
         const double sheared[4] = {1, -1, 0, 1}; /* dX/ds = (1,0), dX/dt = (1,1) */
         d = of_linear_map(ctx, sheared, seed);
         assert_true(fabs(d.stretch - sqrt(1.5)) < 1e-6 && fabs(d.shear - sqrt(0.5)) < 1e-6);

@@ -96,8 +96,8 @@ static void unwelded_turned_and_doubled_faces(void **state) {
     assert_int_equal(t.loop_count, 0);
     assert_int_equal(report.degenerate_faces.count, 1);
     assert_int_equal(report.duplicate_faces.count, extra - 1);
-    assert_int_equal(report.merged_vertices.count, 3 * n + 2 - sphere.vertex_count - 1);
-    assert_int_equal(report.isolated_vertices.count, 1);
+    assert_int_equal(report.merged_vertices.count, 3 * n - sphere.vertex_count);
+    assert_int_equal(report.isolated_vertices.count, 2);
     assert_true(report.flipped_faces.count > n / 4);
     assert_true(pc_geometry_volume(&out) > 0); /* most faces were turned inward, but it is closed */
     pc_topology_free(&t, ctx);
@@ -107,11 +107,41 @@ static void unwelded_turned_and_doubled_faces(void **state) {
     pc_mesh_free(&out, ctx);
 }
 
+/* Two closed fans that meet at a place but not at a vertex are left as they are. */
+static void touching_interior_vertices_stay_apart(void **state) {
+    pc_context *ctx = *state;
+    pc_mesh one, in, out;
+    pc_repair_report report;
+    pc_topology t;
+    assert_ok(ctx, pc_synth_sphere(&one, ctx, 4));
+    assert_ok(ctx, pc_mesh_make(&in, ctx, 2 * one.vertex_count, 2 * one.face_count));
+    for (pc_index v = 0; v < one.vertex_count; v++) {
+        pc_vec3 p = pc_vec3_at(one.position, v);
+        pc_vec3_put(in.position, v, p);
+        pc_vec3_put(in.position, v + one.vertex_count, (pc_vec3){2 - p.x, p.y, -p.z});
+    }
+    for (pc_index i = 0; i < 3 * one.face_count; i++) {
+        in.triangle[i] = one.triangle[i];
+        in.triangle[3 * one.face_count + i] = one.triangle[i] + one.vertex_count;
+    }
+    assert_ok(ctx, pc_repair(&out, &report, ctx, &in, &PLAIN));
+    check_result(&t, ctx, &in, &out, &report);
+    assert_false(report.changed);
+    assert_int_equal(report.merged_vertices.count + report.split_vertices.count, 0);
+    assert_int_equal(t.component_count, 2);
+    pc_topology_free(&t, ctx);
+    pc_repair_report_free(&report, ctx);
+    pc_mesh_free(&one, ctx);
+    pc_mesh_free(&in, ctx);
+    pc_mesh_free(&out, ctx);
+}
+
 static const double CUBE[24] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1};
 static const pc_index CUBE_FACES[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                         2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
 
-/* Two cubes, the second shifted by `shift`; cubes that touch share vertices only by position. */
+/* Two cubes, the second shifted by `shift`; where they touch they share vertices (the second one's are
+ * unused). */
 static void two_cubes(pc_mesh *mesh, pc_context *ctx, pc_vec3 shift) {
     assert_ok(ctx, pc_mesh_make(mesh, ctx, 16, 24));
     for (pc_index v = 0; v < 8; v++) {
@@ -120,6 +150,11 @@ static void two_cubes(pc_mesh *mesh, pc_context *ctx, pc_vec3 shift) {
     }
     for (pc_index i = 0; i < 36; i++)
         mesh->triangle[i] = CUBE_FACES[i], mesh->triangle[36 + i] = CUBE_FACES[i] + 8;
+    for (pc_index i = 36; i < 72; i++)
+        for (pc_index v = 0; v < 8; v++)
+            if (memcmp(mesh->position + 3 * v, mesh->position + 3 * mesh->triangle[i], 3 * sizeof(double)) ==
+                0)
+                mesh->triangle[i] = v;
 }
 
 static void touching_cubes_come_apart(void **state) {
@@ -297,7 +332,7 @@ static void any_soup_becomes_manifold(void **state) {
         pc_mesh in, out, again;
         pc_repair_report report, second;
         pc_topology t;
-        pc_repair_options options = {.tear_nonorientable = seed % 4 != 0};
+        pc_repair_options options = {.tear_nonorientable = seed % 4 != 0, .crowded_share = 1};
         random_soup(&in, ctx, &random);
         pc_status status = pc_repair(&out, &report, ctx, &in, &options);
         if (status == PC_OK) {
@@ -316,6 +351,7 @@ static void any_soup_becomes_manifold(void **state) {
         if (status != PC_OK) continue;
         /* Merging puts split vertices together again, so the second result may differ, but it is clean too.
          */
+        options.tear_nonorientable = true;
         if (pc_repair(&again, &second, ctx, &out, &options) != PC_OK)
             fail_msg("seed %llu, again: %s", (unsigned long long)seed, pc_context_message(ctx));
         check_result(&t, ctx, &out, &again, &second);
@@ -334,7 +370,7 @@ static void no_memory_is_reported(void **state) {
     pc_mesh in, out;
     pc_repair_report report;
     pc_random random = {pc_hash64(77)};
-    pc_repair_options options = {.tear_nonorientable = true, .min_component = 2};
+    pc_repair_options options = {.tear_nonorientable = true, .crowded_share = 1, .min_component = 2};
     random_soup(&in, ctx, &random);
     for (size_t n = 1; n < 1000; n++) {
         pc_memory_fail_at(ctx, n);
@@ -355,6 +391,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(clean_mesh_stays_as_it_is, make_context, free_context),
         cmocka_unit_test_setup_teardown(unwelded_turned_and_doubled_faces, make_context, free_context),
+        cmocka_unit_test_setup_teardown(touching_interior_vertices_stay_apart, make_context, free_context),
         cmocka_unit_test_setup_teardown(touching_cubes_come_apart, make_context, free_context),
         cmocka_unit_test_setup_teardown(fin_is_cut_off_and_dropped, make_context, free_context),
         cmocka_unit_test_setup_teardown(moebius_strip_is_refused_or_torn, make_context, free_context),

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 static char folder[64];
@@ -243,6 +245,66 @@ static void a_failed_write_leaves_nothing(void **state) {
     (void)signal(SIGXFSZ, SIG_DFL);
 }
 
+/* Whichever allocation fails, nothing is left behind and the old file stays. */
+static void missing_memory_leaves_nothing(void **state) {
+    pc_context *ctx = *state;
+    static double data[20000];
+    const pc_store_options options = {.force = true, .compress = true};
+    write_example(ctx, "kept.h5", 10, false);
+    pc_status status = PC_E_NOMEM;
+    int refused = 0;
+    for (size_t n = 1; status == PC_E_NOMEM; n++) {
+        pc_store *store = NULL;
+        pc_memory_fail_at(ctx, n);
+        status = pc_store_create(&store, ctx, "kept.h5", &options);
+        if (status == PC_OK)
+            status = pc_store_put(store, "a", PC_STORE_F64, 1, &(size_t){20000}, data, "1", "large");
+        if (status == PC_OK)
+            status = pc_store_commit(&store);
+        else
+            pc_store_close(store);
+        if (status == PC_OK) break;
+        refused++;
+        pc_memory_fail_at(ctx, 0);
+        assert_int_equal(status, PC_E_NOMEM);
+        assert_int_equal(pc_memory_used(ctx), 0);
+        assert_int_equal(access("kept.h5.partial", F_OK), -1);
+        check_example(ctx, "kept.h5", 10);
+    }
+    pc_memory_fail_at(ctx, 0);
+    assert_true(refused >= 5);
+}
+
+/* A process that is killed while it writes leaves the old file or the new one. */
+static void a_killed_writer_leaves_a_whole_file(void **state) {
+    pc_context *ctx = *state;
+    write_example(ctx, "kept.h5", 1000, false);
+    for (int round = 0; round < 12; round++) {
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            for (size_t i = 0; i < 1000000; i++)
+                write_example(ctx, "kept.h5", 1000 + 911 * i % 1001, false);
+            _exit(1);
+        }
+        struct timespec pause = {.tv_nsec = 1700000 * (round + 1)};
+        (void)nanosleep(&pause, NULL);
+        assert_int_equal(kill(child, SIGKILL), 0);
+        assert_int_equal(waitpid(child, NULL, 0), child);
+        pc_store *store;
+        size_t dims[2] = {PC_STORE_ANY, 3};
+        double *position;
+        assert_ok(ctx, pc_store_open(&store, ctx, "kept.h5"));
+        assert_ok(ctx, pc_store_get(&position, store, "mesh/position", PC_STORE_F64, 2, dims));
+        pc_free(ctx, position);
+        pc_store_close(store);
+        check_example(ctx, "kept.h5", dims[0]);
+    }
+    write_example(ctx, "kept.h5", 5, false); /* over a partial file that was left */
+    assert_int_equal(access("kept.h5.partial", F_OK), -1);
+    check_example(ctx, "kept.h5", 5);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_goes_in_comes_out, make_context, free_context),
@@ -251,6 +313,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(damage_is_refused, make_context, free_context),
         cmocka_unit_test_setup_teardown(wrong_demands_are_refused, make_context, free_context),
         cmocka_unit_test_setup_teardown(a_failed_write_leaves_nothing, make_context, free_context),
+        cmocka_unit_test_setup_teardown(missing_memory_leaves_nothing, make_context, free_context),
+        cmocka_unit_test_setup_teardown(a_killed_writer_leaves_a_whole_file, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
