@@ -25,6 +25,15 @@ PC_ALWAYS_INLINE double way_round(pc_block_form form, const pc_blockval *ik, con
     double moved[4] = {kj->v[0], kj->v[1], kj->v[2], kj->v[3]};
     double sum = 0;
     double size = sqrt(pc_blockval_square(form, ik) * pc_blockval_square(form, kj));
+    if (form == PC_FORM_DENSE) {
+        for (int r = 0; r < 16; r++) {
+            const double *row = ik->v + r / 4 * 4;
+            const double *column = kj->v + r % 4;
+            sum -= 0.25 * ij->v[r] *
+                   (row[0] * column[0] + row[1] * column[4] + row[2] * column[8] + row[3] * column[12]);
+        }
+        return size > 0 ? sum / size : 0;
+    }
     if (form == PC_FORM_TURNED) {
         if (((ik->turn + kj->turn - ij->turn) & 3) != 0) return 0;
         pc_turn_diagonal(moved, ik->turn, kj->v);
@@ -41,7 +50,6 @@ PC_ALWAYS_INLINE double way_round(pc_block_form form, const pc_blockval *ik, con
  * do the negative weights of obtuse triangles; their rotation is right, their sign says nothing about frames.
  * Needs columns in ascending order. */
 PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index i, size_t e) {
-    if (form == PC_FORM_DENSE) return false;
     pc_blockval ij;
     pc_blockval_load(form, &ij, a, e);
     if (form == PC_FORM_SCALAR) return ij.v[0] > 0;
@@ -71,13 +79,13 @@ PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index 
 }
 
 PC_ALWAYS_INLINE void find_strong_row(pc_block_form form, float *size, uint8_t *eligible,
-                                      const pc_blockmat *a, double threshold, bool may_repel, pc_index i) {
+                                      const pc_blockmat *a, double threshold, pc_index i) {
     double d = mean_diagonal(a, i);
     double total = 0;
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
         double square = square_of(form, a, e);
         double of_j = mean_diagonal(a, a->column[e]);
-        bool is_strong = square > threshold * threshold * d * of_j && !(may_repel && repels(form, a, i, e));
+        bool is_strong = square > threshold * threshold * d * of_j && !repels(form, a, i, e);
         total += sqrt(square);
         size[e] = is_strong ? (float)sqrt(square) : 0;
     }
@@ -86,8 +94,7 @@ PC_ALWAYS_INLINE void find_strong_row(pc_block_form form, float *size, uint8_t *
 
 /* The sizes of strong couplings (0 for the others), and the rows that take part. */
 static void find_strong(float *size, uint8_t *eligible, const pc_blockmat *a, double threshold) {
-    const bool may_repel = a->exact != NULL;
-#define ROW(form, i) find_strong_row(form, size, eligible, a, threshold, may_repel, i)
+#define ROW(form, i) find_strong_row(form, size, eligible, a, threshold, i)
     PC_EACH_ROW(a->form, a->row_count, ROW)
 #undef ROW
 }

@@ -48,6 +48,19 @@ static void row_pattern(row *r, const product *p, pc_index i) {
     }
 }
 
+/* Columns of coarse rows ascend: set-up looks for common neighbours. */
+static void sort_pattern(row *r) {
+    for (pc_index k = 1; k < r->count; k++) {
+        pc_index column = r->list[k];
+        pc_index to = k;
+        for (; to > 0 && r->list[to - 1] > column; to--)
+            r->list[to] = r->list[to - 1];
+        r->list[to] = column;
+    }
+    for (pc_index k = 0; k < r->count; k++)
+        r->slot[r->list[k]] = k;
+}
+
 PC_ALWAYS_INLINE void add_row(pc_block_form form, row *r, const pc_blockmat *b, const pc_blockval *v,
                               pc_index j) {
     const size_t size = (size_t)pc_form_size(pc_form_coarse(form));
@@ -75,6 +88,7 @@ PC_ALWAYS_INLINE void row_values(pc_block_form form, row *r, const product *p, p
     const pc_blockmat *a = p->a;
     pc_blockval v;
     row_pattern(r, p, i);
+    if (p->finish == SPLIT_DIAGONAL) sort_pattern(r);
     memset(r->sum, 0, r->count * size * sizeof *r->sum);
     if (r->count == 0) return;
     if (a->diagonal) {
