@@ -49,7 +49,7 @@ PC_ALWAYS_INLINE double way_round(pc_block_form form, const pc_blockval *ik, con
 /* Whether the coupling e of row i repels: against the ways round by common neighbours it points backwards. So
  * do the negative weights of obtuse triangles; their rotation is right, their sign says nothing about frames.
  * Needs columns in ascending order. */
-PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index i, size_t e) {
+PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index i, size_t e, double square) {
     pc_blockval ij;
     pc_blockval_load(form, &ij, a, e);
     if (form == PC_FORM_SCALAR) return ij.v[0] > 0;
@@ -70,7 +70,8 @@ PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index 
             pc_blockval_load(form, &jk, a, g);
             pc_blockval_transpose(form, &kj, &jk);
             double weight = fmin(pc_blockval_square(form, &ik), pc_blockval_square(form, &jk));
-            score += sqrt(weight) * way_round(form, &ik, &kj, &ij);
+            /* In a triangle that closes backwards the smallest coupling is the one to blame. */
+            if (weight >= square) score += sqrt(weight) * way_round(form, &ik, &kj, &ij);
             f++;
             g++;
         }
@@ -85,7 +86,7 @@ PC_ALWAYS_INLINE void find_strong_row(pc_block_form form, float *size, uint8_t *
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
         double square = square_of(form, a, e);
         double of_j = mean_diagonal(a, a->column[e]);
-        bool is_strong = square > threshold * threshold * d * of_j && !repels(form, a, i, e);
+        bool is_strong = square > threshold * threshold * d * of_j && !repels(form, a, i, e, square);
         total += sqrt(square);
         size[e] = is_strong ? (float)sqrt(square) : 0;
     }
