@@ -97,6 +97,15 @@ done:
     return status;
 }
 
+static pc_status check_turns(const pc_field *field, const size_t *counts, unsigned symmetry, pc_store *store,
+                             const char *group) {
+    if (!field->turn) return PC_OK;
+    if (counts[FIELD_HALF_EDGES] != 3 * counts[FACES])
+        return pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s/turn': %zu half-edges of %zu triangles",
+                       pc_store_path(store), group, counts[FIELD_HALF_EDGES], counts[FACES]);
+    return pc_columns_bytes_below(store, group, "turn", field->turn, 3 * counts[FACES], symmetry);
+}
+
 pc_status pc_field_load(pc_field *field, pc_store *store, const char *group) {
     pc_status status = PC_OK;
     int64_t symmetry;
@@ -107,6 +116,7 @@ pc_status pc_field_load(pc_field *field, pc_store *store, const char *group) {
     if (symmetry != 1 && symmetry != 2 && symmetry != 4)
         PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s': symmetry is %lld, not 1, 2 or 4",
                        pc_store_path(store), group, (long long)symmetry));
+    PC_TRY(check_turns(field, counts, (unsigned)symmetry, store, group));
     field->symmetry = (int)symmetry;
     field->vertex_count = (pc_index)counts[VERTICES];
     field->face_count = (pc_index)counts[FACES];
@@ -150,8 +160,9 @@ static pc_status check_param(const pc_param *param, pc_store *store, const char 
                        pc_store_path(store), group, (long long)period, PC_PERIOD));
     for (size_t i = 0; i < 2 * (size_t)param->vertex_count; i++)
         if (param->coordinate[i] % 2 == 0)
-            PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s/coordinate': vertex %zu is at %d, which is even",
-                           pc_store_path(store), group, i / 2, param->coordinate[i]));
+            PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT,
+                           "%s: '%s/coordinate': vertex %zu is at %d, which is even", pc_store_path(store),
+                           group, i / 2, param->coordinate[i]));
     PC_TRY(pc_columns_bytes_below(store, group, "turn", param->turn, 3 * (size_t)param->face_count, 4));
     PC_TRY(
         pc_columns_bytes_below(store, group, "singular", param->singular, param->face_count, PC_FLIPPED + 1));

@@ -159,8 +159,8 @@ done:
 static pc_status add_param(scan_arrays *a, pc_context *ctx, const pc_param *p) {
     pc_status status = PC_OK;
     double *s, *t;
-    PC_TRY(add_scratch(a, ctx, &s, "s", p->vertex_count, "period", "first coordinate, 0 to 1"));
-    PC_TRY(add_scratch(a, ctx, &t, "t", p->vertex_count, "period", "second coordinate, 0 to 1"));
+    PC_TRY(add_scratch(a, ctx, &s, "s", p->vertex_count, "period", "first coordinate"));
+    PC_TRY(add_scratch(a, ctx, &t, "t", p->vertex_count, "period", "second coordinate"));
     for (size_t v = 0; v < p->vertex_count; v++)
         s[v] = p->coordinate[2 * v] / (double)PC_PERIOD, t[v] = p->coordinate[2 * v + 1] / (double)PC_PERIOD;
     a->array[a->count++] = (pc_vtk_array){"singular",

@@ -91,7 +91,7 @@ def singularities(arrays, group="field"):
 
 
 def parameter(arrays, group="param"):
-    """(s,t) of each vertex in periods, 0 to 1. Neighbours may differ by quarter turns and whole periods."""
+    """(s,t) of each vertex in periods. Neighbours may differ by quarter turns and whole periods."""
     return arrays[f"{group}/coordinate"] / 2.0**24
 
 

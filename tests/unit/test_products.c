@@ -144,7 +144,9 @@ static pc_field random_field(pc_context *ctx, pc_random *random, pc_index loops)
                       .normal = random_bytes(ctx, random, 3 * (size_t)n, sizeof(double)),
                       .direction = random_bytes(ctx, random, 3 * (size_t)n, sizeof(double)),
                       .index = random_bytes(ctx, random, m, 1),
-                      .loop_index = random_bytes(ctx, random, loops, 4)};
+                      .loop_index = random_bytes(ctx, random, loops, 4),
+                      .angle = random_bytes(ctx, random, n, sizeof(double)),
+                      .turn = random_small(ctx, random, 3 * (size_t)m, 1U << loops)};
 }
 
 static void fields(void **state) {
@@ -166,6 +168,8 @@ static void fields(void **state) {
         assert_same(field, copy, direction, 3 * (size_t)n);
         assert_same(field, copy, index, m);
         assert_same(field, copy, loop_index, loops);
+        assert_same(field, copy, angle, n);
+        assert_same(field, copy, turn, 3 * (size_t)m);
         pc_field_free(&field, ctx), pc_field_free(&copy, ctx);
         pc_store_close(store);
     }
