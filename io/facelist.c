@@ -11,7 +11,7 @@ void pc_facelist_free(pc_facelist *list, pc_context *ctx) {
 
 pc_status pc_facelist_reserve(pc_facelist *list, pc_context *ctx, size_t triangles) {
     pc_status status = PC_OK;
-    if (triangles <= list->capacity) return PC_OK;
+    if (list->triangle && triangles <= list->capacity) return PC_OK;
     if (triangles >= PC_NONE / 3 - 1)
         return pc_fail(ctx, PC_E_FORMAT, "%zu triangles exceed the 32-bit indices of this version",
                        triangles);
@@ -23,7 +23,7 @@ done:
 
 pc_status pc_facelist_reserve_polygons(pc_facelist *list, pc_context *ctx, size_t polygons) {
     pc_status status = PC_OK;
-    if (polygons <= list->polygon_capacity) return PC_OK;
+    if (list->polygon && polygons <= list->polygon_capacity) return PC_OK;
     PC_TRY(pc_resize(&list->polygon, ctx, polygons));
     list->polygon_capacity = polygons;
 done:

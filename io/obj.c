@@ -333,7 +333,7 @@ pc_status pc_obj_read(pc_mesh *mesh, pc_scan_info *info, pc_context *ctx, const 
     r.faces.polygon_count = r.total.polygons;
     tell(info, &r.total);
     mesh->face_count = (pc_index)r.faces.count;
-    PC_TRY(pc_scan_check_counts(mesh, ctx, input));
+    PC_TRY(pc_scan_check_counts(mesh, ctx, input, pc_scan_fail_line));
     PC_TRY(pc_facelist_finish(&r.faces, ctx, mesh));
 done:
     pc_facelist_free(&r.faces, ctx);

@@ -61,8 +61,8 @@ static pc_status read_counts(off_reader *r) {
     const char *at = r->text.at;
     pc_skip_line(&r->text); /* the number of edges: nobody needs it, some leave it out */
     int64_t left = r->text.end - r->text.at;
-    /* "0 0 0\n" is the shortest vertex, "1 0\n" the shortest face; the last newline may be missing. */
-    if (r->vertices > (left + 1) / 6 || r->faces > (left + 1 - 6 * r->vertices) / 4)
+    /* "0 0 0\n" is the shortest vertex, "0\n" the shortest face; the last newline may be missing. */
+    if (r->vertices > (left + 1) / 6 || r->faces > (left + 1 - 6 * r->vertices) / 2)
         return FAIL(
             r, at,
             "%lld vertices and %lld faces do not fit into the %lld bytes left: the file is truncated or "
@@ -88,7 +88,8 @@ static pc_status read_vertex(off_reader *r, size_t vertex) {
             return FAIL(r, at, "vertex %zu: '%s' is not a number", vertex,
                         pc_scan_quote(at, r->text.end).text);
     }
-    if (!pc_at_line_end(&r->text)) pc_scan_ignore(r->info, "more values on vertex lines");
+    if (!pc_at_line_end(&r->text) && !*r->info->ignored)
+        pc_scan_ignore(r->info, "more values on vertex lines");
     pc_skip_line(&r->text);
     return PC_OK;
 }
@@ -159,7 +160,7 @@ static pc_status read_all(off_reader *r) {
     r->info->vertex_count = (size_t)r->vertices;
     r->info->face_count = (size_t)r->faces;
     r->mesh->face_count = (pc_index)r->list.count;
-    PC_TRY(pc_scan_check_counts(r->mesh, r->ctx, r->input));
+    PC_TRY(pc_scan_check_counts(r->mesh, r->ctx, r->input, pc_scan_fail_line));
     PC_TRY(pc_facelist_finish(&r->list, r->ctx, r->mesh));
 done:
     return status;

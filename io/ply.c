@@ -113,6 +113,9 @@ static pc_status read_ascii(double *value, ply_reader *r) {
     }
     if (result == PC_DECIMAL_OK && pc_at_word_end(&r->text)) return PC_OK;
     r->text.at = word;
+    if ((unsigned char)*word < ' ' || (unsigned char)*word > '~')
+        return FAIL(r, word,
+                    "binary bytes stand here, though the header says ascii: correct the format line");
     return FAIL(r, word, "'%s' is not a number", pc_scan_quote(word, r->text.end).text);
 }
 
@@ -416,6 +419,18 @@ done:
     return status;
 }
 
+/* Text would pass for floats without any sense: nothing but the characters of numbers shows it. */
+static pc_status check_binary(const ply_reader *r) {
+    size_t size = (size_t)(r->text.end - r->text.at);
+    if (r->header->format == PC_PLY_ASCII || size < 24) return PC_OK;
+    if (size > 256) size = 256;
+    for (size_t i = 0; i < size; i++)
+        if (r->text.at[i] == '\0' || !strchr("0123456789+-.eE \t\r\n", r->text.at[i])) return PC_OK;
+    return pc_scan_fail_byte(
+        r->ctx, r->input, r->header->body,
+        "numbers stand here as text, though the header says binary: correct the format line");
+}
+
 pc_status pc_ply_read(pc_mesh *mesh, pc_scan_info *info, pc_context *ctx, const pc_scan_input *input) {
     static const char *const names[] = {"PLY ascii", "PLY binary little-endian", "PLY binary big-endian"};
     pc_status status = PC_OK;
@@ -427,9 +442,11 @@ pc_status pc_ply_read(pc_mesh *mesh, pc_scan_info *info, pc_context *ctx, const 
     info->format = names[header->format];
     reader.header = header;
     reader.text = (pc_textcursor){input->data + header->body, input->data + input->size};
+    PC_TRY(check_binary(&reader));
     PC_TRY(read_elements(&reader));
     mesh->face_count = (pc_index)reader.faces.count;
-    PC_TRY(pc_scan_check_counts(mesh, ctx, input));
+    PC_TRY(pc_scan_check_counts(mesh, ctx, input,
+                                header->format == PC_PLY_ASCII ? pc_scan_fail_line : pc_scan_fail_byte));
     PC_TRY(pc_facelist_finish(&reader.faces, ctx, mesh));
 done:
     pc_facelist_free(&reader.faces, ctx);

@@ -48,15 +48,14 @@ pc_status pc_scan_make_vertices(pc_mesh *mesh, pc_context *ctx, const pc_scan_in
     return pc_new(&mesh->position, ctx, 3 * count);
 }
 
-pc_status pc_scan_check_counts(const pc_mesh *mesh, pc_context *ctx, const pc_scan_input *input) {
+pc_status pc_scan_check_counts(const pc_mesh *mesh, pc_context *ctx, const pc_scan_input *input,
+                               pc_scan_fail *fail) {
     if (mesh->vertex_count == 0)
-        return pc_scan_fail_line(ctx, input, input->size,
-                                 "end of file without a single vertex: nothing to convert");
+        return fail(ctx, input, input->size, "end of file without a single vertex: nothing to convert");
     if (mesh->face_count == 0)
-        return pc_scan_fail_line(
-            ctx, input, input->size,
-            "end of file after %u vertices without a face: a point cloud must be meshed first",
-            mesh->vertex_count);
+        return fail(ctx, input, input->size,
+                    "end of file after %u vertices without a face: a point cloud must be meshed first",
+                    mesh->vertex_count);
     return PC_OK;
 }
 

@@ -40,8 +40,12 @@ pc_status pc_scan_fail_byte(pc_context *ctx, const pc_scan_input *input, size_t 
 
 /* Zeroed positions for so many vertices. PC_E_FORMAT where an index could not count them. */
 pc_status pc_scan_make_vertices(pc_mesh *mesh, pc_context *ctx, const pc_scan_input *input, size_t count);
-/* PC_E_FORMAT where there is nothing to convert: no vertices, or no faces. */
-pc_status pc_scan_check_counts(const pc_mesh *mesh, pc_context *ctx, const pc_scan_input *input);
+/* PC_E_FORMAT where there is nothing to convert: no vertices, or no faces. `fail` says where the end is: by
+ * line or byte. */
+typedef pc_status pc_scan_fail(pc_context *ctx, const pc_scan_input *input, size_t offset, const char *format,
+                               ...);
+pc_status pc_scan_check_counts(const pc_mesh *mesh, pc_context *ctx, const pc_scan_input *input,
+                               pc_scan_fail *fail);
 
 /* A word of the file for a message: printable, at most 24 characters. */
 typedef struct pc_scan_word {

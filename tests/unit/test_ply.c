@@ -147,6 +147,21 @@ static void headers_that_make_no_sense(void **state) {
     text_is_refused(ctx, "a.ply", "ply\nformat ascii 1.0\nend_header\n", "without a single vertex");
 }
 
+static void text_and_binary_are_not_mixed_up(void **state) {
+    pc_context *ctx = *state;
+    scan_bytes b = {.size = 0};
+    make_ply_ascii(&b);
+    replaced_is_refused(ctx, "a.ply", &b, "format ascii", "format binary_little_endian",
+                        "a.ply: byte |as text, though the header says binary");
+    b.size = 0;
+    make_ply_binary(&b, true, false);
+    replaced_is_refused(ctx, "a.ply", &b, "binary_big_endian", "ascii", "vertex 0|binary bytes|says ascii");
+    b.size = 0;
+    put_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty char x\nproperty char y\n"
+                 "property char z\nend_header\nabc");
+    is_refused(ctx, "a.ply", b.data, b.size, "a.ply: byte |after 1 vertices without a face");
+}
+
 /* Every cut of every file is refused or, where only the last newline goes, read. */
 static void every_truncation_is_refused(void **state) {
     pc_context *ctx = *state;
@@ -173,6 +188,7 @@ int main(void) {
         scan_test(damaged_ascii_is_refused_with_its_line),
         scan_test(damaged_binary_is_refused_with_its_byte),
         scan_test(headers_that_make_no_sense),
+        scan_test(text_and_binary_are_not_mixed_up),
         scan_test(every_truncation_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
