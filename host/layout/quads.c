@@ -1,7 +1,6 @@
 #include "quads.h"
+#include "bvh.h"
 #include "memory.h"
-#include "vec3.h"
-#include <string.h>
 
 static pc_vec3 arc_middle(const pc_layout *l, pc_index arc) {
     const pc_index *v = l->arc_vertex + l->arc_start[arc];
@@ -17,23 +16,6 @@ static pc_vec3 arc_middle(const pc_layout *l, pc_index arc) {
         left -= piece;
     }
     return pc_vec3_at(l->mesh.position, v[count / 2]);
-}
-
-/* The point of triangle abc nearest to p (Ericson 2005, 5.1.5). */
-static pc_vec3 nearest_on_triangle(pc_vec3 p, pc_vec3 a, pc_vec3 b, pc_vec3 c) {
-    pc_vec3 ab = pc_sub(b, a), ac = pc_sub(c, a), ap = pc_sub(p, a), bp = pc_sub(p, b), cp = pc_sub(p, c);
-    double d1 = pc_dot(ab, ap), d2 = pc_dot(ac, ap), d3 = pc_dot(ab, bp), d4 = pc_dot(ac, bp);
-    double d5 = pc_dot(ab, cp), d6 = pc_dot(ac, cp);
-    if (d1 <= 0 && d2 <= 0) return a;
-    if (d3 >= 0 && d4 <= d3) return b;
-    if (d6 >= 0 && d5 <= d6) return c;
-    double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return pc_madd(a, d1 > d3 ? d1 / (d1 - d3) : 0, ab);
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return pc_madd(a, d2 > d6 ? d2 / (d2 - d6) : 0, ac);
-    double w = (d4 - d3) + (d5 - d6);
-    if (va <= 0 && d4 >= d3 && d5 >= d6) return pc_madd(b, w > 0 ? (d4 - d3) / w : 0, pc_sub(c, b));
-    double sum = va + vb + vc;
-    return sum > 0 ? pc_madd(pc_madd(a, vb / sum, ab), vc / sum, ac) : a;
 }
 
 /* Per cell the point of its own surface nearest to the mean of its side middles. */
@@ -53,12 +35,12 @@ static pc_status place_centres(double *centre, pc_context *ctx, const pc_layout 
         const pc_index *t = l->mesh.triangle + 3 * (size_t)f;
         pc_index c = l->cell[f];
         pc_vec3 goal = pc_vec3_at(target, c);
-        pc_vec3 p = nearest_on_triangle(goal, pc_vec3_at(l->mesh.position, t[0]), pc_vec3_at(l->mesh.position, t[1]),
-                                        pc_vec3_at(l->mesh.position, t[2]));
-        double distance = pc_dot(pc_sub(p, goal), pc_sub(p, goal));
+        pc_vec3 p[3] = {pc_vec3_at(l->mesh.position, t[0]), pc_vec3_at(l->mesh.position, t[1]),
+                        pc_vec3_at(l->mesh.position, t[2])};
+        double weight[3], distance = pc_closest_on_triangle(weight, goal, p[0], p[1], p[2]);
         if (distance >= best[c]) continue;
         best[c] = distance;
-        pc_vec3_put(centre, c, p);
+        pc_vec3_put(centre, c, pc_madd(pc_madd(pc_scale(weight[0], p[0]), weight[1], p[1]), weight[2], p[2]));
     }
 done:
     pc_free(ctx, best);

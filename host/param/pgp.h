@@ -13,7 +13,7 @@ typedef struct pc_pgp_options {
     double tolerance;   /* relative residual of each solve */
     uint64_t seed;      /* of the start where `phase` holds zeros */
 } pc_pgp_options;
-#define PC_PGP_DEFAULTS {8.0, 1.0, 10, 1e-3, 1}
+#define PC_PGP_DEFAULTS {8.0, 0.7, 12, 1e-3, 1}
 
 typedef struct pc_pgp_stats {
     double energy;             /* sum of weight * |M^r X_j - D X_i|^2 over the edges, norms 1 */
