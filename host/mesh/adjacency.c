@@ -21,8 +21,8 @@ done:
     return status;
 }
 
-static pc_status pair_twins(pc_adjacency *adjacency, pc_context *ctx, const pc_mesh *mesh, const pc_index *start,
-                            const pc_index *bucket) {
+static pc_status pair_twins(pc_adjacency *adjacency, pc_context *ctx, const pc_mesh *mesh,
+                            const pc_index *start, const pc_index *bucket) {
     for (pc_index v = 0; v < mesh->vertex_count; v++)
         for (pc_index i = start[v]; i < start[v + 1]; i++) {
             pc_index h = bucket[i];
@@ -32,7 +32,8 @@ static pc_status pair_twins(pc_adjacency *adjacency, pc_context *ctx, const pc_m
                 bool same = pc_tail(mesh, g) == pc_tail(mesh, h) && pc_head(mesh, g) == pc_head(mesh, h);
                 bool opposite = pc_tail(mesh, g) == pc_head(mesh, h) && pc_head(mesh, g) == pc_tail(mesh, h);
                 if (same || (opposite && (adjacency->twin[h] != PC_NONE || adjacency->twin[g] != PC_NONE)))
-                    return pc_fail(ctx, PC_E_MESH, "edge %u-%u is not manifold: faces %u and %u run along it %s",
+                    return pc_fail(ctx, PC_E_MESH,
+                                   "edge %u-%u is not manifold: faces %u and %u run along it %s",
                                    pc_tail(mesh, h), pc_head(mesh, h), h / 3, g / 3,
                                    same ? "in the same direction" : "with a third one");
                 if (opposite) adjacency->twin[h] = g, adjacency->twin[g] = h;

@@ -13,7 +13,8 @@ typedef struct pc_solver_options {
     pc_preconditioner preconditioner;
     pc_index max_iterations;
 } pc_solver_options;
-#define PC_SOLVER_DEFAULTS {PC_PRECONDITION_MULTIGRID, 10000}
+#define PC_SOLVER_DEFAULTS                                                                                   \
+    { PC_PRECONDITION_MULTIGRID, 10000 }
 
 typedef struct pc_solver_stats {
     pc_index iterations;
@@ -28,7 +29,8 @@ pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device,
 /* New values on the same graph. */
 pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *system);
 /* x holds the start on entry and the solution on return; b is left alone; both width*row_count numbers.
- * PC_E_NOCONV where max_iterations do not reach `tolerance` (relative residual): x is then the best so far. */
+ * PC_E_NOCONV where max_iterations do not reach `tolerance` (relative residual): x is then the best so far.
+ */
 pc_status pc_solver_solve(pc_solver *solver, pc_context *ctx, double *x, const double *b, double tolerance,
                           pc_solver_stats *stats);
 void pc_solver_free(pc_solver *solver, pc_context *ctx);

@@ -33,7 +33,8 @@ static inline int pc_block_width(pc_block_kind kind) {
 pc_status pc_system_make(pc_system *system, pc_context *ctx, pc_block_kind kind, pc_index row_count,
                          size_t entry_count);
 void pc_system_free(pc_system *system, pc_context *ctx);
-/* Columns ascending and in range, values finite, diagonal positive, symmetric up to rounding. PC_E_BUG else. */
+/* Columns ascending and in range, values finite, diagonal positive, symmetric up to rounding. PC_E_BUG else.
+ */
 pc_status pc_system_check(const pc_system *system, pc_context *ctx);
 /* y = A x in plain C, double: the reference of every kernel. x and y hold width*row_count numbers. */
 void pc_system_apply(double *y, const pc_system *system, const double *x);

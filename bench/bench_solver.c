@@ -1,0 +1,91 @@
+/* Time and iterations of the solver on synthetic tori: block-Jacobi against multigrid.
+ * usage: bench_solver [device [kind 0..2 [vertices [tolerance [jacobi 0|1]]]]] */
+#include "clock.h"
+#include "memory.h"
+#include "random.h"
+#include "solver.h"
+#include "systems.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static void print_kernels(pc_context *ctx, pc_device *device) {
+    const pc_kernel_stats *table;
+    size_t count;
+    if (pc_device_kernel_stats(&table, &count, ctx, device) != PC_OK) return;
+    for (size_t i = 0; i < count; i++)
+        printf("    %-28s %8llu  %9.4f s  %7.2f GB/s\n", table[i].name, (unsigned long long)table[i].count,
+               table[i].seconds, 1e-9 * table[i].bytes / table[i].seconds);
+    pc_device_reset_stats(device);
+}
+
+static pc_status run(pc_context *ctx, pc_device *device, const pc_system *system, pc_preconditioner which,
+                     double tolerance) {
+    const size_t n = (size_t)system->row_count * (size_t)pc_block_width(system->kind);
+    pc_status status = PC_OK;
+    pc_solver *solver = NULL;
+    pc_solver_options options = PC_SOLVER_DEFAULTS;
+    pc_solver_stats stats = {0};
+    double *x = NULL;
+    double *b = NULL;
+    pc_random random = {5};
+    options.preconditioner = which;
+    pc_memory_reset_peak(ctx);
+    PC_TRY(pc_new(&x, ctx, n));
+    PC_TRY(pc_new(&b, ctx, n));
+    for (size_t i = 0; i < n; i++)
+        b[i] = 2 * pc_random_uniform(&random) - 1;
+    size_t before = pc_memory_used(ctx);
+    PC_TRY(pc_solver_make(&solver, ctx, device, system, &options));
+    double setup_peak = (double)(pc_memory_peak(ctx) - before);
+    status = pc_solver_solve(solver, ctx, x, b, tolerance, &stats);
+    printf("  %-9s setup %.3f s, %u iterations, solve %.3f s, residual %.2e, host memory %.0f B/row (set-up "
+           "%.0f)\n",
+           which == PC_PRECONDITION_JACOBI ? "jacobi" : "multigrid", stats.setup_seconds, stats.iterations,
+           stats.solve_seconds, stats.residual, (double)(pc_memory_used(ctx) - before) / system->row_count,
+           setup_peak / system->row_count);
+    if (status == PC_OK && which == PC_PRECONDITION_MULTIGRID) {
+        PC_TRY(pc_solver_update(solver, ctx, system));
+        PC_TRY(pc_solver_solve(solver, ctx, x, b, 0.5, &stats));
+        printf("  update %.3f s\n", stats.setup_seconds);
+    }
+    print_kernels(ctx, device);
+done:
+    pc_solver_free(solver, ctx);
+    pc_free(ctx, x);
+    pc_free(ctx, b);
+    return status;
+}
+
+static void to_stderr(void *user, pc_log_level level, const char *line) {
+    (void)level;
+    (void)fprintf(user, "%s\n", line);
+}
+
+int main(int argc, char **argv) {
+    pc_status status = PC_OK;
+    pc_device *device = NULL;
+    pc_system system = {0};
+    pc_context *ctx = pc_context_make();
+    pc_synth_options options = PC_SYNTH_DEFAULTS;
+    if (!ctx) return 1;
+    pc_context_set_log(ctx, to_stderr, stderr, getenv("PERCALE_DEBUG") ? PC_LOG_DEBUG : PC_LOG_WARNING);
+    int kind = argc > 2 ? atoi(argv[2]) : 1;
+    double vertices = argc > 3 ? atof(argv[3]) : 1e5;
+    double tolerance = argc > 4 ? atof(argv[4]) : 1e-6;
+    bool jacobi = argc > 5 && atoi(argv[5]);
+    options.around = options.across = (pc_index)sqrt(vertices);
+    options.combed = true;
+    if (argc > 6) options.jitter = atof(argv[6]);
+    PC_TRY(pc_device_open(&device, ctx, argc > 1 ? argv[1] : "host"));
+    PC_TRY(pc_synth_torus_system(&system, ctx, (pc_block_kind)kind, &options));
+    printf("%s, kind %d, %u rows, tolerance %g\n", pc_device_name(device), kind, system.row_count, tolerance);
+    PC_TRY(run(ctx, device, &system, PC_PRECONDITION_MULTIGRID, tolerance));
+    if (jacobi) PC_TRY(run(ctx, device, &system, PC_PRECONDITION_JACOBI, tolerance));
+done:
+    if (status != PC_OK) (void)fprintf(stderr, "%s: %s\n", pc_status_name(status), pc_context_message(ctx));
+    pc_system_free(&system, ctx);
+    pc_device_close(device, ctx);
+    pc_context_free(ctx);
+    return status == PC_OK ? 0 : 1;
+}

@@ -1,0 +1,66 @@
+/* What the files of the device layer know of each other. */
+#ifndef PC_DEVICE_PRIVATE_H
+#define PC_DEVICE_PRIVATE_H
+
+#include "device.h"
+#include "launch.h"
+#include <CL/cl.h>
+
+enum { PC_PENDING_EVENTS = 512 };
+
+struct pc_kernel {
+    pc_kernel *next;
+    pc_device *device;
+    cl_kernel handle;
+    char name[64];
+    uint64_t count;
+    double seconds;
+    double bytes;
+};
+
+/* A built program and the kernels taken from it. */
+typedef struct pc_program {
+    struct pc_program *next;
+    const char *source; /* static: compared by address */
+    char options[96];
+    uint64_t key;
+    bool fresh; /* built from source: worth storing */
+    cl_program handle;
+    pc_kernel *kernels;
+} pc_program;
+
+struct pc_buffer {
+    pc_device *device;
+    cl_mem handle;
+    size_t bytes;
+};
+
+typedef struct pc_pending {
+    cl_event event;
+    pc_kernel *kernel;
+} pc_pending;
+
+struct pc_device {
+    bool host;
+    pc_shape shape;
+    size_t allocation_cap;
+    pc_device_info info;
+    cl_device_id id;
+    cl_context context;
+    cl_command_queue queue;
+    pc_program *programs;
+    pc_pending pending[PC_PENDING_EVENTS]; /* launches whose times are not read yet */
+    size_t pending_count;
+    pc_kernel_stats *stats;
+};
+
+/* PC_E_DEVICE (PC_E_NOMEM where memory lacks) with what failed and the error's name. */
+pc_status pc_device_fail(pc_context *ctx, cl_int error, const char *what);
+/* Finds or builds the program of an embedded source for the device's shape. */
+pc_status pc_program_get(pc_program **program, pc_context *ctx, pc_device *device, const char *source);
+/* Stores fresh binaries and releases everything. */
+void pc_program_free_all(pc_device *device, pc_context *ctx);
+/* Reads the times of all launches so far; waits for them. */
+pc_status pc_launch_harvest(pc_context *ctx, pc_device *device);
+
+#endif

@@ -1,0 +1,183 @@
+#include "blockmat.h"
+#include "memory.h"
+#include <string.h>
+
+#define INLINE static inline __attribute__((always_inline))
+
+pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form form, pc_index rows,
+                           pc_index columns, size_t entries, bool square) {
+    pc_status status = PC_OK;
+    *matrix = (pc_blockmat){.form = form, .row_count = rows, .column_count = columns};
+    if (entries >= PC_NONE)
+        return pc_fail(ctx, PC_E_MESH, "a multigrid level of %zu couplings is beyond 32-bit offsets",
+                       entries);
+    PC_TRY(pc_new(&matrix->start, ctx, (size_t)rows + 1));
+    PC_TRY(pc_new(&matrix->column, ctx, entries));
+    PC_TRY(pc_new(&matrix->value, ctx, entries * (size_t)pc_form_size(form)));
+    if (form == PC_FORM_TURNED) PC_TRY(pc_new(&matrix->turn, ctx, entries));
+    if (square) {
+        PC_TRY(pc_new(&matrix->diagonal, ctx, (size_t)rows * (size_t)pc_form_diagonal(form)));
+        PC_TRY(pc_new(&matrix->inverse, ctx, (size_t)rows * (size_t)pc_form_diagonal(form)));
+    }
+done:
+    if (status != PC_OK) pc_blockmat_free(matrix, ctx);
+    return status;
+}
+
+void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx) {
+    pc_free(ctx, matrix->start);
+    pc_free(ctx, matrix->column);
+    pc_free(ctx, matrix->value);
+    pc_free(ctx, matrix->turn);
+    pc_free(ctx, matrix->diagonal);
+    pc_free(ctx, matrix->inverse);
+    *matrix = (pc_blockmat){0};
+}
+
+/* sum += B_e x_column */
+INLINE void add_entry(pc_block_form form, float *sum, const pc_blockmat *a, size_t e, const float *x) {
+    const float *u = x + (size_t)pc_form_width(form) * a->column[e];
+    const float *v = a->value + (size_t)pc_form_size(form) * e;
+    if (form == PC_FORM_SCALAR) {
+        sum[0] += v[0] * u[0];
+    } else if (form == PC_FORM_COMPLEX) {
+        sum[0] += v[0] * u[0] - v[1] * u[1];
+        sum[1] += v[0] * u[1] + v[1] * u[0];
+    } else if (form == PC_FORM_TURNED) {
+        int t = a->turn[e];
+        int first = (t & 1) ? 2 : 0;
+        float p = u[first];
+        float q = u[2 - first];
+        float p_im = t >= 2 ? -u[first + 1] : u[first + 1];
+        float q_im = t == 1 || t == 2 ? -u[3 - first] : u[3 - first];
+        sum[0] += v[0] * p - v[1] * p_im;
+        sum[1] += v[0] * p_im + v[1] * p;
+        sum[2] += v[2] * q - v[3] * q_im;
+        sum[3] += v[2] * q_im + v[3] * q;
+    } else {
+        for (int r = 0; r < 4; r++)
+            sum[r] += v[4 * r] * u[0] + v[4 * r + 1] * u[1] + v[4 * r + 2] * u[2] + v[4 * r + 3] * u[3];
+    }
+}
+
+/* y = scale D x with D one number or a dense block */
+INLINE void times_diagonal(pc_block_form form, float *y, const float *diagonal, const float *x, float scale) {
+    if (form == PC_FORM_DENSE) {
+        for (int r = 0; r < 4; r++)
+            y[r] = scale * (diagonal[4 * r] * x[0] + diagonal[4 * r + 1] * x[1] + diagonal[4 * r + 2] * x[2] +
+                            diagonal[4 * r + 3] * x[3]);
+    } else {
+        for (int r = 0; r < pc_form_width(form); r++)
+            y[r] = scale * diagonal[0] * x[r];
+    }
+}
+
+/* sum = (A x)_i */
+INLINE void row_times(pc_block_form form, float *sum, const pc_blockmat *a, pc_index i, const float *x) {
+    if (a->diagonal)
+        times_diagonal(form, sum, a->diagonal + (size_t)pc_form_diagonal(form) * i,
+                       x + (size_t)pc_form_width(form) * i, 1);
+    else
+        memset(sum, 0, 4 * sizeof *sum);
+    for (size_t e = a->start[i]; e < a->start[i + 1]; e++)
+        add_entry(form, sum, a, e, x);
+}
+
+INLINE void apply(pc_block_form form, float *y, const pc_blockmat *a, const float *x, const float *b,
+                  int mode) {
+    const int w = pc_form_width(form);
+#pragma omp parallel for schedule(static)
+    for (pc_index i = 0; i < a->row_count; i++) {
+        float sum[4];
+        size_t at = (size_t)w * i;
+        row_times(form, sum, a, i, x);
+        for (int k = 0; k < w; k++)
+            y[at + (size_t)k] = mode == 0   ? sum[k]
+                                : mode == 1 ? y[at + (size_t)k] + sum[k]
+                                            : b[at + (size_t)k] - sum[k];
+    }
+}
+
+INLINE void smooth(pc_block_form form, float *x_new, float *d, const pc_blockmat *a, const float *b,
+                   const float *x, float alpha, float beta) {
+    const int w = pc_form_width(form);
+#pragma omp parallel for schedule(static)
+    for (pc_index i = 0; i < a->row_count; i++) {
+        float r[4];
+        float step[4];
+        size_t at = (size_t)w * i;
+        row_times(form, r, a, i, x);
+        for (int k = 0; k < w; k++)
+            r[k] = b[at + (size_t)k] - r[k];
+        times_diagonal(form, step, a->inverse + (size_t)pc_form_diagonal(form) * i, r, beta);
+        if (alpha != 0) {
+            for (int k = 0; k < w; k++)
+                step[k] += alpha * d[at + (size_t)k];
+        }
+        for (int k = 0; k < w; k++) {
+            d[at + (size_t)k] = step[k];
+            x_new[at + (size_t)k] = x[at + (size_t)k] + step[k];
+        }
+    }
+}
+
+INLINE void smooth_first(pc_block_form form, float *x, float *d, const pc_blockmat *a, const float *b,
+                         float beta) {
+    const int w = pc_form_width(form);
+#pragma omp parallel for schedule(static)
+    for (pc_index i = 0; i < a->row_count; i++) {
+        float step[4];
+        size_t at = (size_t)w * i;
+        times_diagonal(form, step, a->inverse + (size_t)pc_form_diagonal(form) * i, b + at, beta);
+        for (int k = 0; k < w; k++)
+            d[at + (size_t)k] = x[at + (size_t)k] = step[k];
+    }
+}
+
+/* Calls `call` with the form as a constant, so that each form gets its own loop. */
+#define EACH_FORM(form, call)                                                                                \
+    switch (form) {                                                                                          \
+    case PC_FORM_SCALAR:                                                                                     \
+        call(PC_FORM_SCALAR);                                                                                \
+        break;                                                                                               \
+    case PC_FORM_COMPLEX:                                                                                    \
+        call(PC_FORM_COMPLEX);                                                                               \
+        break;                                                                                               \
+    case PC_FORM_TURNED:                                                                                     \
+        call(PC_FORM_TURNED);                                                                                \
+        break;                                                                                               \
+    case PC_FORM_DENSE:                                                                                      \
+        call(PC_FORM_DENSE);                                                                                 \
+        break;                                                                                               \
+    }
+
+void pc_blockmat_apply(float *y, const pc_blockmat *matrix, const float *x) {
+#define CALL(form) apply(form, y, matrix, x, NULL, 0)
+    EACH_FORM(matrix->form, CALL)
+#undef CALL
+}
+
+void pc_blockmat_add(float *y, const pc_blockmat *transfer, const float *x) {
+#define CALL(form) apply(form, y, transfer, x, NULL, 1)
+    EACH_FORM(transfer->form, CALL)
+#undef CALL
+}
+
+void pc_blockmat_residual(float *r, const pc_blockmat *matrix, const float *b, const float *x) {
+#define CALL(form) apply(form, r, matrix, x, b, 2)
+    EACH_FORM(matrix->form, CALL)
+#undef CALL
+}
+
+void pc_blockmat_smooth(float *x_new, float *d, const pc_blockmat *matrix, const float *b, const float *x,
+                        float alpha, float beta) {
+#define CALL(form) smooth(form, x_new, d, matrix, b, x, alpha, beta)
+    EACH_FORM(matrix->form, CALL)
+#undef CALL
+}
+
+void pc_blockmat_smooth_first(float *x, float *d, const pc_blockmat *matrix, const float *b, float beta) {
+#define CALL(form) smooth_first(form, x, d, matrix, b, beta)
+    EACH_FORM(matrix->form, CALL)
+#undef CALL
+}

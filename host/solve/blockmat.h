@@ -1,0 +1,57 @@
+/* Matrices of small float blocks in compressed rows: the levels of the multigrid hierarchy and the transfers
+ * between them, with their host kernels. */
+#ifndef PC_BLOCKMAT_H
+#define PC_BLOCKMAT_H
+
+#include "system.h"
+
+/* The first three as in pc_block_kind; dense blocks are 4x4, row-major: what TURNED becomes on coarse levels.
+ */
+typedef enum pc_block_form { PC_FORM_SCALAR, PC_FORM_COMPLEX, PC_FORM_TURNED, PC_FORM_DENSE } pc_block_form;
+
+typedef struct pc_blockmat {
+    pc_block_form form;
+    pc_index row_count;
+    pc_index column_count;
+    pc_index *start;
+    pc_index *column;
+    float *value;  /* 1, 2, 4 or 16 per entry */
+    uint8_t *turn; /* TURNED only */
+    float
+        *diagonal; /* square matrices: apart from the entries, 1 per row (16 for DENSE); NULL for transfers */
+    float *inverse; /* of the diagonal, same shape */
+    const double
+        *exact; /* level 0 while the hierarchy is built: the entries in double, not owned; else NULL */
+    const double *exact_diagonal;
+    double exact_scale; /* what both are to be multiplied by */
+} pc_blockmat;
+
+/* Reals of a row, of an entry, and of a diagonal. */
+static inline int pc_form_width(pc_block_form form) {
+    return form == PC_FORM_SCALAR ? 1 : form == PC_FORM_COMPLEX ? 2 : 4;
+}
+static inline int pc_form_size(pc_block_form form) {
+    return form == PC_FORM_SCALAR ? 1 : form == PC_FORM_COMPLEX ? 2 : form == PC_FORM_TURNED ? 4 : 16;
+}
+static inline int pc_form_diagonal(pc_block_form form) {
+    return form == PC_FORM_DENSE ? 16 : 1;
+}
+
+/* Arrays for the given counts; `square` adds the diagonals. */
+pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form form, pc_index rows,
+                           pc_index columns, size_t entries, bool square);
+void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx);
+
+/* y = A x (square: with its diagonal). */
+void pc_blockmat_apply(float *y, const pc_blockmat *matrix, const float *x);
+/* y += P x */
+void pc_blockmat_add(float *y, const pc_blockmat *transfer, const float *x);
+/* r = b - A x */
+void pc_blockmat_residual(float *r, const pc_blockmat *matrix, const float *b, const float *x);
+/* One Chebyshev step: d = alpha d + beta D^-1 (b - A x), x_new = x + d. alpha 0 does not read d. */
+void pc_blockmat_smooth(float *x_new, float *d, const pc_blockmat *matrix, const float *b, const float *x,
+                        float alpha, float beta);
+/* The first step from x = 0: d = x = beta D^-1 b. */
+void pc_blockmat_smooth_first(float *x, float *d, const pc_blockmat *matrix, const float *b, float beta);
+
+#endif

@@ -1,0 +1,223 @@
+#include "devmat.h"
+#include "memory.h"
+#include <string.h>
+
+enum { SLICE = 8, WINDOW = 256, PART_STEP = 512, TURN_SHIFT = 30 };
+/* A part is kept below this whatever the device allows: large single buffers are what drivers get wrong. */
+static const size_t largest_part = (size_t)1 << 30;
+
+pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_blockmat *matrix) {
+    enum { LONGEST = 64 };
+    pc_status status = PC_OK;
+    const pc_index n = matrix->row_count;
+    *order = (pc_row_order){.count = n, .padded = (n + SLICE - 1) / SLICE * SLICE};
+    PC_TRY(pc_new(&order->row, ctx, n));
+    PC_TRY(pc_new(&order->place, ctx, n));
+    for (pc_index window = 0; window < n; window += WINDOW) {
+        /* Counting sort by length, longest first; equal rows keep their order. */
+        pc_index end = n - window < WINDOW ? n : window + WINDOW;
+        pc_index at[LONGEST + 2] = {0};
+        for (pc_index i = window; i < end; i++) {
+            pc_index length = matrix->start[i + 1] - matrix->start[i];
+            if (length > LONGEST || matrix->form == PC_FORM_DENSE) length = LONGEST;
+            order->place[i] = LONGEST - length;
+            at[LONGEST - length + 1]++;
+        }
+        for (int k = 0; k <= LONGEST; k++)
+            at[k + 1] += at[k];
+        for (pc_index i = window; i < end; i++) {
+            order->place[i] = window + at[order->place[i]]++;
+            order->row[order->place[i]] = i;
+        }
+    }
+done:
+    if (status != PC_OK) pc_row_order_free(order, ctx);
+    return status;
+}
+
+void pc_row_order_free(pc_row_order *order, pc_context *ctx) {
+    pc_free(ctx, order->row);
+    pc_free(ctx, order->place);
+    *order = (pc_row_order){0};
+}
+
+/* What is being copied. */
+typedef struct copying {
+    const pc_blockmat *matrix;
+    const pc_row_order *rows;
+    const pc_row_order *columns;
+    const pc_system *exact;
+    pc_index slice_rows;
+} copying;
+
+static pc_index row_length(const copying *c, pc_index place) {
+    if (place >= c->rows->count) return 0;
+    pc_index row = c->rows->row[place];
+    return c->matrix->start[row + 1] - c->matrix->start[row];
+}
+
+static pc_index slice_length(const copying *c, pc_index slice) {
+    pc_index longest = 0;
+    for (pc_index lane = 0; lane < c->slice_rows; lane++) {
+        pc_index length = row_length(c, slice * c->slice_rows + lane);
+        if (length > longest) longest = length;
+    }
+    return longest;
+}
+
+/* Where number k of the block in a lane goes within a slice's entry. */
+static inline size_t value_place(pc_block_form form, pc_index lane, size_t k) {
+    switch (form) {
+    case PC_FORM_SCALAR:
+        return lane;
+    case PC_FORM_COMPLEX:
+        return 2 * (size_t)lane + k;
+    case PC_FORM_TURNED:
+        return 16 * (k / 2) + 2 * (size_t)lane + k % 2;
+    case PC_FORM_DENSE:
+        break;
+    }
+    return k;
+}
+
+/* Arrays of one part on the host. */
+typedef struct staged {
+    pc_index *start;
+    pc_index *column;
+    float *value;
+    double *exact;
+} staged;
+
+static void stage_slice(const copying *c, staged *s, pc_index slice, pc_index at) {
+    const pc_blockmat *m = c->matrix;
+    const size_t size = (size_t)pc_form_size(m->form);
+    const pc_index length = slice_length(c, slice);
+    for (pc_index lane = 0; lane < c->slice_rows; lane++) {
+        pc_index place = slice * c->slice_rows + lane;
+        pc_index own = row_length(c, place);
+        pc_index from = own > 0 ? m->start[c->rows->row[place]] : 0;
+        for (pc_index k = 0; k < length; k++) {
+            size_t to = (size_t)at + k;
+            pc_index *column = &s->column[to * c->slice_rows + lane];
+            if (k >= own) {
+                /* Padding reads what its row reads anyway. */
+                *column = k > 0
+                              ? s->column[(to - 1) * c->slice_rows + lane] & (((pc_index)1 << TURN_SHIFT) - 1)
+                              : 0;
+                continue;
+            }
+            size_t e = (size_t)from + k;
+            *column = c->columns->place[m->column[e]];
+            if (m->turn) *column |= (pc_index)m->turn[e] << TURN_SHIFT;
+            for (size_t u = 0; u < size; u++) {
+                size_t place_of = to * c->slice_rows * size + value_place(m->form, lane, u);
+                s->value[place_of] = m->value[size * e + u];
+                if (s->exact) s->exact[place_of] = c->exact->value[size * e + u];
+            }
+        }
+    }
+}
+
+static pc_status upload_part(pc_devmat_part *part, pc_context *ctx, pc_device *device, const copying *c) {
+    pc_status status = PC_OK;
+    staged s = {0};
+    const size_t wide = (size_t)c->slice_rows * (size_t)pc_form_size(c->matrix->form);
+    PC_TRY(pc_new(&s.start, ctx, (size_t)part->slices + 1));
+    PC_TRY(pc_new(&s.column, ctx, part->entries * c->slice_rows));
+    PC_TRY(pc_new(&s.value, ctx, part->entries * wide));
+    if (c->exact) PC_TRY(pc_new(&s.exact, ctx, part->entries * wide));
+    for (pc_index k = 0; k < part->slices; k++)
+        s.start[k + 1] = s.start[k] + slice_length(c, part->first + k);
+#pragma omp parallel for schedule(static)
+    for (pc_index k = 0; k < part->slices; k++)
+        stage_slice(c, &s, part->first + k, s.start[k]);
+    PC_TRY(pc_buffer_from(&part->start, ctx, device, s.start, ((size_t)part->slices + 1) * sizeof *s.start));
+    PC_TRY(pc_buffer_from(&part->column, ctx, device, s.column,
+                          part->entries * c->slice_rows * sizeof *s.column));
+    PC_TRY(pc_buffer_from(&part->value, ctx, device, s.value, part->entries * wide * sizeof *s.value));
+    if (c->exact)
+        PC_TRY(pc_buffer_from(&part->exact, ctx, device, s.exact, part->entries * wide * sizeof *s.exact));
+done:
+    pc_free(ctx, s.start);
+    pc_free(ctx, s.column);
+    pc_free(ctx, s.value);
+    pc_free(ctx, s.exact);
+    return status;
+}
+
+/* Cuts the slices so that no buffer of a part is over the cap. Counts only where `part` is NULL. */
+static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, size_t cap) {
+    const size_t unit = (c->exact ? sizeof(double) : sizeof(float)) * (size_t)pc_form_size(c->matrix->form);
+    const size_t bytes = c->slice_rows * (unit > sizeof(pc_index) ? unit : sizeof(pc_index));
+    pc_devmat_part now = {0};
+    int count = 0;
+    for (pc_index step = 0; step < slices; step += PART_STEP) {
+        pc_index end = slices - step < PART_STEP ? slices : step + PART_STEP;
+        size_t entries = 0;
+        for (pc_index s = step; s < end; s++)
+            entries += slice_length(c, s);
+        if (now.slices > 0 && (now.entries + entries) * bytes > cap) {
+            if (part) part[count] = now;
+            count++;
+            now = (pc_devmat_part){.first = step};
+        }
+        now.slices += end - step;
+        now.entries += entries;
+    }
+    if (part) part[count] = now;
+    return count + 1;
+}
+
+static pc_status upload_diagonals(pc_devmat *out, pc_context *ctx, pc_device *device, const copying *c) {
+    pc_status status = PC_OK;
+    const size_t size = (size_t)pc_form_diagonal(out->form);
+    const size_t n = pc_devmat_padded(out) * size;
+    float *diagonal = NULL;
+    float *inverse = NULL;
+    PC_TRY(pc_new(&diagonal, ctx, n));
+    PC_TRY(pc_new(&inverse, ctx, n));
+    for (pc_index place = 0; place < c->rows->count; place++) {
+        memcpy(diagonal + size * place, c->matrix->diagonal + size * c->rows->row[place],
+               size * sizeof(float));
+        memcpy(inverse + size * place, c->matrix->inverse + size * c->rows->row[place], size * sizeof(float));
+    }
+    PC_TRY(pc_buffer_from(&out->diagonal, ctx, device, diagonal, n * sizeof *diagonal));
+    PC_TRY(pc_buffer_from(&out->inverse, ctx, device, inverse, n * sizeof *inverse));
+done:
+    pc_free(ctx, diagonal);
+    pc_free(ctx, inverse);
+    return status;
+}
+
+pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
+                         const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact) {
+    pc_status status = PC_OK;
+    copying c = {matrix, rows, columns, exact, matrix->form == PC_FORM_DENSE ? 1 : SLICE};
+    size_t cap = pc_device_allocation_cap(device);
+    if (cap > largest_part) cap = largest_part;
+    *out = (pc_devmat){.form = matrix->form, .row_count = matrix->row_count};
+    out->slice_count = (matrix->row_count + c.slice_rows - 1) / c.slice_rows;
+    int count = cut_parts(NULL, &c, out->slice_count, cap);
+    PC_TRY(pc_new(&out->part, ctx, (size_t)count));
+    out->part_count = count;
+    (void)cut_parts(out->part, &c, out->slice_count, cap);
+    for (int p = 0; p < count; p++)
+        PC_TRY(upload_part(&out->part[p], ctx, device, &c));
+    if (matrix->diagonal) PC_TRY(upload_diagonals(out, ctx, device, &c));
+done:
+    if (status != PC_OK) pc_devmat_free(out, ctx);
+    return status;
+}
+
+void pc_devmat_free(pc_devmat *matrix, pc_context *ctx) {
+    for (int p = 0; p < matrix->part_count; p++) {
+        pc_buffer_free(matrix->part[p].start, ctx);
+        pc_buffer_free(matrix->part[p].column, ctx);
+        pc_buffer_free(matrix->part[p].value, ctx);
+        pc_buffer_free(matrix->part[p].exact, ctx);
+    }
+    pc_free(ctx, matrix->part);
+    pc_buffer_free(matrix->diagonal, ctx);
+    pc_buffer_free(matrix->inverse, ctx);
+    *matrix = (pc_devmat){0};
+}

@@ -1,0 +1,289 @@
+#include "multigrid.h"
+#include "galerkin.h"
+#include "memory.h"
+#include "random.h"
+#include "smallmat.h"
+#include <math.h>
+#include <string.h>
+
+/* Reals of a last level that is solved directly. */
+enum { DIRECT = 320 };
+/* Share of the spectrum, from above, that smoothing covers. */
+static const double smooth_from = 0.1;
+static const double strong = 0.015;
+
+static size_t reals(const pc_blockmat *a) {
+    return (size_t)a->row_count * (size_t)pc_form_width(a->form);
+}
+
+static float hashed(size_t i) {
+    return (float)(pc_hash64(i) >> 40) * 0x1p-23F - 1;
+}
+
+static double square_sum(const float *x, size_t n) {
+    enum { BLOCK = 4096 };
+    double total = 0;
+    for (size_t at = 0; at < n; at += BLOCK) {
+        float sum = 0;
+        for (size_t i = at; i < n && i < at + BLOCK; i++)
+            sum += x[i] * x[i];
+        total += (double)sum;
+    }
+    return total;
+}
+
+/* y = D^-1 y */
+static void divide(float *y, const pc_blockmat *a) {
+    pc_blockmat_smooth_first(y, y, a, y, 1);
+}
+
+/* The largest eigenvalue of D^-1 A by power iteration, a little above what is found. */
+static pc_status find_largest(double *largest, pc_context *ctx, const pc_blockmat *a) {
+    enum { ITERATIONS = 12 };
+    size_t n = reals(a);
+    float *x = NULL;
+    float *y = NULL;
+    pc_status status = PC_OK;
+    double found = 1;
+    PC_TRY(pc_new(&x, ctx, n));
+    PC_TRY(pc_new(&y, ctx, n));
+    for (size_t i = 0; i < n; i++)
+        x[i] = hashed(i);
+    double norm = sqrt(square_sum(x, n));
+    for (int k = 0; k < ITERATIONS && norm > 0; k++) {
+        pc_blockmat_apply(y, a, x);
+        divide(y, a);
+        double next = sqrt(square_sum(y, n));
+        found = next / norm;
+        for (size_t i = 0; i < n; i++)
+            x[i] = (float)((double)y[i] / next);
+        norm = sqrt(square_sum(x, n));
+    }
+    *largest = isfinite(found) && found > 1 ? 1.1 * found : 1.1;
+done:
+    pc_free(ctx, x);
+    pc_free(ctx, y);
+    return status;
+}
+
+/* Chebyshev polynomials over [smooth_from, 1] * largest (Adams, Brezina, Hu, Tuminaro 2003). */
+static void choose_steps(pc_level *level) {
+    double high = level->largest;
+    double low = smooth_from * high;
+    double theta = 0.5 * (high + low);
+    double delta = 0.5 * (high - low);
+    double rho = delta / theta;
+    level->chebyshev.alpha[0] = 0;
+    level->chebyshev.beta[0] = (float)(1 / theta);
+    for (int k = 1; k < PC_SMOOTH_STEPS; k++) {
+        double next = 1 / (2 * theta / delta - rho);
+        level->chebyshev.alpha[k] = (float)(next * rho);
+        level->chebyshev.beta[k] = (float)(2 * next / delta);
+        rho = next;
+    }
+}
+
+static pc_status finest(pc_multigrid *mg, pc_context *ctx, const pc_system *system) {
+    const pc_index n = system->row_count;
+    const size_t entries = system->start[n];
+    pc_blockmat *a = &mg->level[0].matrix;
+    const pc_block_form form = (pc_block_form)system->kind;
+    pc_status status = pc_blockmat_make(a, ctx, form, n, n, entries, true);
+    if (status != PC_OK) return status;
+    double total = 0;
+    for (pc_index i = 0; i < n; i++)
+        total += system->diagonal[i];
+    mg->scale = n > 0 ? n / total : 1;
+    memcpy(a->start, system->start, ((size_t)n + 1) * sizeof *a->start);
+    memcpy(a->column, system->column, entries * sizeof *a->column);
+    if (a->turn) memcpy(a->turn, system->turn, entries);
+#pragma omp parallel for schedule(static)
+    for (size_t k = 0; k < entries * (size_t)pc_form_size(form); k++)
+        a->value[k] = (float)(mg->scale * system->value[k]);
+    for (pc_index i = 0; i < n; i++)
+        a->diagonal[i] = (float)(mg->scale * system->diagonal[i]);
+    a->exact = system->value;
+    a->exact_diagonal = system->diagonal;
+    a->exact_scale = mg->scale;
+    pc_galerkin_invert_diagonal(a);
+    return PC_OK;
+}
+
+/* The next level from level k; groups are made where there are none. `*last` where coarsening ends here. */
+static pc_status coarsen(pc_multigrid *mg, pc_context *ctx, int k, bool *last) {
+    pc_status status = PC_OK;
+    pc_level *fine = &mg->level[k];
+    pc_blockmat tentative = {0};
+    PC_TRY(find_largest(&fine->largest, ctx, &fine->matrix));
+    choose_steps(fine);
+    *last = k + 1 == PC_MOST_LEVELS || reals(&fine->matrix) <= DIRECT;
+    if (*last) goto done;
+    if (!fine->aggregates.of)
+        PC_TRY(pc_aggregates_make(&fine->aggregates, ctx, &fine->matrix, strong * pow(0.5, k)));
+    *last = fine->aggregates.count == 0 || fine->aggregates.count > 0.9 * fine->matrix.row_count;
+    if (*last) goto done;
+    PC_TRY(pc_aggregates_transport(&tentative, ctx, &fine->aggregates, &fine->matrix));
+    PC_TRY(pc_galerkin_smooth(&fine->prolongator, ctx, &fine->matrix, &tentative, 4.0 / (3 * fine->largest)));
+    PC_TRY(pc_galerkin_transpose(&fine->restriction, ctx, &fine->prolongator));
+    PC_TRY(pc_galerkin_coarse(&fine[1].matrix, ctx, &fine->restriction, &fine->matrix, &fine->prolongator));
+done:
+    pc_blockmat_free(&tentative, ctx);
+    return status;
+}
+
+/* The dense inverse of the last level, if it is small. */
+static pc_status invert_last(pc_multigrid *mg, pc_context *ctx) {
+    const pc_blockmat *a = &mg->level[mg->level_count - 1].matrix;
+    const size_t n = reals(a);
+    const size_t w = (size_t)pc_form_width(a->form);
+    pc_status status = PC_OK;
+    double *m = NULL;
+    float *unit = NULL;
+    float *column = NULL;
+    if (n > DIRECT) return PC_OK;
+    PC_TRY(pc_new(&m, ctx, n * n));
+    PC_TRY(pc_new(&unit, ctx, n));
+    PC_TRY(pc_new(&column, ctx, n));
+    PC_TRY(pc_new(&mg->inverse, ctx, n * n));
+    (void)w;
+    for (size_t c = 0; c < n; c++) {
+        unit[c] = 1;
+        pc_blockmat_apply(column, a, unit);
+        unit[c] = 0;
+        for (size_t i = 0; i < n; i++)
+            m[i * n + c] = (double)column[i];
+    }
+    PC_TRY(pc_smallmat_invert(m, ctx, n));
+    for (size_t k = 0; k < n * n; k++)
+        mg->inverse[k] = (float)m[k];
+done:
+    pc_free(ctx, m);
+    pc_free(ctx, unit);
+    pc_free(ctx, column);
+    return status;
+}
+
+static pc_status build(pc_multigrid *mg, pc_context *ctx, const pc_system *system) {
+    pc_status status = PC_OK;
+    bool last = false;
+    PC_TRY(finest(mg, ctx, system));
+    for (mg->level_count = 1; !last; mg->level_count += !last) {
+        PC_TRY(pc_check_interrupt(ctx));
+        PC_TRY(coarsen(mg, ctx, mg->level_count - 1, &last));
+    }
+    PC_TRY(invert_last(mg, ctx));
+    for (int k = 0; k < mg->level_count; k++)
+        pc_log(ctx, PC_LOG_DEBUG, "multigrid level %d: %u rows, %u couplings, largest eigenvalue %.3f", k,
+               mg->level[k].matrix.row_count, mg->level[k].matrix.start[mg->level[k].matrix.row_count],
+               mg->level[k].largest);
+    mg->level[0].matrix.exact = mg->level[0].matrix.exact_diagonal = NULL;
+done:
+    if (status != PC_OK) pc_multigrid_free(mg, ctx);
+    return status;
+}
+
+pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {
+    *multigrid = (pc_multigrid){0};
+    return build(multigrid, ctx, system);
+}
+
+pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {
+    *multigrid = (pc_multigrid){.level_count = 1, .finest_only = true};
+    pc_status status = finest(multigrid, ctx, system);
+    if (status != PC_OK) pc_multigrid_free(multigrid, ctx);
+    return status;
+}
+
+void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx) {
+    for (int k = 0; k < PC_MOST_LEVELS; k++) {
+        pc_level *level = &multigrid->level[k];
+        pc_blockmat_free(&level->matrix, ctx);
+        pc_blockmat_free(&level->prolongator, ctx);
+        pc_blockmat_free(&level->restriction, ctx);
+        float **vectors[5] = {&level->x, &level->x_other, &level->d, &level->b, &level->r};
+        for (int v = 0; v < 5; v++) {
+            pc_free(ctx, *vectors[v]);
+            *vectors[v] = NULL;
+        }
+    }
+    pc_free(ctx, multigrid->inverse);
+    multigrid->inverse = NULL;
+}
+
+pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {
+    pc_multigrid_free_values(multigrid, ctx);
+    return build(multigrid, ctx, system);
+}
+
+void pc_multigrid_free(pc_multigrid *multigrid, pc_context *ctx) {
+    pc_multigrid_free_values(multigrid, ctx);
+    for (int k = 0; k < PC_MOST_LEVELS; k++)
+        pc_aggregates_free(&multigrid->level[k].aggregates, ctx);
+    *multigrid = (pc_multigrid){0};
+}
+
+pc_status pc_multigrid_make_vectors(pc_multigrid *multigrid, pc_context *ctx) {
+    pc_status status = PC_OK;
+    for (int k = 0; k < multigrid->level_count; k++) {
+        pc_level *level = &multigrid->level[k];
+        float **vectors[5] = {&level->x, &level->x_other, &level->d, &level->b, &level->r};
+        for (int v = 0; v < 5; v++) {
+            if (!*vectors[v]) PC_TRY(pc_new(vectors[v], ctx, reals(&level->matrix)));
+        }
+    }
+done:
+    return status;
+}
+
+static void swap_x(pc_level *level) {
+    float *x = level->x;
+    level->x = level->x_other;
+    level->x_other = x;
+}
+
+static void smooth(pc_level *level, int from) {
+    for (int step = from; step < PC_SMOOTH_STEPS; step++) {
+        pc_blockmat_smooth(level->x_other, level->d, &level->matrix, level->b, level->x,
+                           level->chebyshev.alpha[step], level->chebyshev.beta[step]);
+        swap_x(level);
+    }
+}
+
+static void solve_last(const pc_multigrid *mg, pc_level *level) {
+    enum { SWEEPS = 4 };
+    size_t n = reals(&level->matrix);
+    if (!mg->inverse) {
+        pc_blockmat_smooth_first(level->x, level->d, &level->matrix, level->b, level->chebyshev.beta[0]);
+        smooth(level, 1);
+        for (int sweep = 1; sweep < SWEEPS; sweep++)
+            smooth(level, 0);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        float sum = 0;
+        for (size_t k = 0; k < n; k++)
+            sum += mg->inverse[i * n + k] * level->b[k];
+        level->x[i] = sum;
+    }
+}
+
+static void descend(pc_level *level) {
+    pc_blockmat_smooth_first(level->x, level->d, &level->matrix, level->b, level->chebyshev.beta[0]);
+    smooth(level, 1);
+    pc_blockmat_residual(level->r, &level->matrix, level->b, level->x);
+    pc_blockmat_apply(level[1].b, &level->restriction, level->r);
+}
+
+static void ascend(pc_level *level) {
+    pc_blockmat_add(level->x, &level->prolongator, level[1].x);
+    smooth(level, 0);
+}
+
+void pc_multigrid_cycle(pc_multigrid *multigrid) {
+    int last = multigrid->level_count - 1;
+    for (int k = 0; k < last; k++)
+        descend(&multigrid->level[k]);
+    solve_last(multigrid, &multigrid->level[last]);
+    for (int k = last - 1; k >= 0; k--)
+        ascend(&multigrid->level[k]);
+}

@@ -1,0 +1,266 @@
+/* The multigrid cycle: products with sliced block matrices and Chebyshev steps, in float.
+ *
+ * Eight rows make a slice; entry k of a slice holds the k-th entries of its rows side by side: 8 columns, and 8 scalars,
+ * 8 complex numbers, or (turned) 8 complex numbers for U and then 8 for V, with the quarter turn in the two top bits of
+ * the column. Dense matrices have one row of 4x4 blocks per slice. `start` counts entries of slices.
+ *
+ * Modes: 0 y = A x, 1 y += A x, 2 y = b - A x, 3 d = alpha d + beta D^-1 (b - A x), y = x + d; 2 and 3 with diagonal.
+ * Chunk shape: a work-item takes `per_item` slices as wide vectors. Row shape: a work-item takes a row. */
+#ifndef PC_CHUNK
+#define PC_CHUNK 1
+#endif
+
+#define TURN_SHIFT 30
+#define COLUMN(c) ((c) & 0x3fffffffu)
+
+#define MATRIX                                                                                               \
+    const global uint *restrict start, const global uint *restrict column, const global float *restrict value, \
+        const global float *restrict diagonal, const global float *restrict inverse,                         \
+        const global float *restrict x, const global float *restrict b, global float *y, global float *d,    \
+        const uint first, const uint slices, const uint per_item, const uint mode, const float alpha,        \
+        const float beta
+
+/* M^t of (U,V): M (U,V) = (V, conj U). */
+inline float4 turned(float4 u, uint t) {
+    float4 s = (t & 1) ? u.zwxy : u;
+    s.y = t >= 2 ? -s.y : s.y;
+    s.w = t == 1 || t == 2 ? -s.w : s.w;
+    return s;
+}
+
+/* What the modes do with a sum; V is the vector type, `g` and `h` its diagonal and inverse diagonal. */
+#define FINISH(V, LOAD, STORE, sum, at, g, h)                                                                \
+    do {                                                                                                     \
+        if (mode == 0) {                                                                                     \
+            STORE(sum, at, y);                                                                               \
+        } else if (mode == 1) {                                                                              \
+            STORE(LOAD(at, y) + sum, at, y);                                                                 \
+        } else {                                                                                             \
+            const V own = LOAD(at, x);                                                                       \
+            const V residual = LOAD(at, b) - sum - (g) * own;                                                \
+            if (mode == 2) {                                                                                 \
+                STORE(residual, at, y);                                                                      \
+            } else {                                                                                         \
+                V change = beta * (h) * residual;                                                            \
+                if (alpha != 0) change += alpha * LOAD(at, d);                                               \
+                STORE(change, at, d);                                                                        \
+                STORE(own + change, at, y);                                                                  \
+            }                                                                                                \
+        }                                                                                                    \
+    } while (0)
+
+#define LOAD1(at, p) ((p)[at])
+#define STORE1(v, at, p) ((p)[at] = (v))
+
+#if PC_CHUNK
+
+#define EACH_SLICE                                                                                           \
+    const uint from = get_global_id(0) * per_item;                                                           \
+    const uint to = min(from + per_item, slices);                                                            \
+    for (uint s = from; s < to; s++)
+
+kernel void cycle_scalar(MATRIX) {
+    EACH_SLICE {
+        const uint at = first + s;
+        float8 sum = 0;
+        for (uint k = start[s]; k < start[s + 1]; k++) {
+            const uint8 c = vload8(k, column);
+            sum += vload8(k, value) *
+                   (float8)(x[c.s0], x[c.s1], x[c.s2], x[c.s3], x[c.s4], x[c.s5], x[c.s6], x[c.s7]);
+        }
+        FINISH(float8, vload8, vstore8, sum, at, vload8(at, diagonal), vload8(at, inverse));
+    }
+}
+
+#define TWICE(v) ((v).s0011223344556677)
+
+kernel void cycle_complex(MATRIX) {
+    const global float2 *z = (const global float2 *)x;
+    const float16 sign = (float16)(-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1);
+    EACH_SLICE {
+        const uint at = first + s;
+        float16 straight = 0;
+        float16 crossed = 0;
+        for (uint k = start[s]; k < start[s + 1]; k++) {
+            const uint8 c = vload8(k, column);
+            const float16 a = vload16(k, value);
+            const float16 u =
+                (float16)(z[c.s0], z[c.s1], z[c.s2], z[c.s3], z[c.s4], z[c.s5], z[c.s6], z[c.s7]);
+            straight += a.s0022446688aaccee * u;
+            crossed += a.s1133557799bbddff * u.s1032547698badcfe;
+        }
+        const float16 sum = straight + sign * crossed;
+        FINISH(float16, vload16, vstore16, sum, at, TWICE(vload8(at, diagonal)), TWICE(vload8(at, inverse)));
+    }
+}
+
+#define FOURFOLD(v) ((v).s0000111122223333)
+
+kernel void cycle_turned(MATRIX) {
+    const global float4 *z = (const global float4 *)x;
+    const float16 sign = (float16)(-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1);
+    EACH_SLICE {
+        float16 straight_u = 0;
+        float16 crossed_u = 0;
+        float16 straight_v = 0;
+        float16 crossed_v = 0;
+        for (uint k = start[s]; k < start[s + 1]; k++) {
+            const uint8 word = vload8(k, column);
+            const uint8 c = COLUMN(word);
+            float4 r0 = z[c.s0], r1 = z[c.s1], r2 = z[c.s2], r3 = z[c.s3];
+            float4 r4 = z[c.s4], r5 = z[c.s5], r6 = z[c.s6], r7 = z[c.s7];
+            const uint4 two = word.lo | word.hi;
+            if (((two.x | two.y | two.z | two.w) >> TURN_SHIFT) != 0) {
+                const uint8 t = word >> TURN_SHIFT;
+                r0 = turned(r0, t.s0), r1 = turned(r1, t.s1), r2 = turned(r2, t.s2), r3 = turned(r3, t.s3);
+                r4 = turned(r4, t.s4), r5 = turned(r5, t.s5), r6 = turned(r6, t.s6), r7 = turned(r7, t.s7);
+            }
+            const float16 u = (float16)(r0.lo, r1.lo, r2.lo, r3.lo, r4.lo, r5.lo, r6.lo, r7.lo);
+            const float16 v = (float16)(r0.hi, r1.hi, r2.hi, r3.hi, r4.hi, r5.hi, r6.hi, r7.hi);
+            const float16 a = vload16(2 * k, value);
+            const float16 q = vload16(2 * k + 1, value);
+            straight_u += a.s0022446688aaccee * u;
+            crossed_u += a.s1133557799bbddff * u.s1032547698badcfe;
+            straight_v += q.s0022446688aaccee * v;
+            crossed_v += q.s1133557799bbddff * v.s1032547698badcfe;
+        }
+        const float16 u = straight_u + sign * crossed_u;
+        const float16 v = straight_v + sign * crossed_v;
+        const float16 low = (float16)(u.s01, v.s01, u.s23, v.s23, u.s45, v.s45, u.s67, v.s67);
+        const float16 high = (float16)(u.s89, v.s89, u.sab, v.sab, u.scd, v.scd, u.sef, v.sef);
+        const uint at = 2 * (first + s);
+        const uint next = at + 1;
+        const float8 g = vload8(first + s, diagonal);
+        const float8 h = vload8(first + s, inverse);
+        FINISH(float16, vload16, vstore16, low, at, FOURFOLD(g.lo), FOURFOLD(h.lo));
+        FINISH(float16, vload16, vstore16, high, next, FOURFOLD(g.hi), FOURFOLD(h.hi));
+    }
+}
+
+#else
+
+#define ROW_OF_SLICE                                                                                         \
+    const uint local_row = get_global_id(0);                                                                 \
+    const uint s = local_row / 8;                                                                            \
+    const uint lane = local_row % 8;                                                                         \
+    const uint row = 8 * first + local_row;                                                                  \
+    (void)per_item;                                                                                          \
+    if (s < slices)
+
+kernel void cycle_scalar(MATRIX) {
+    ROW_OF_SLICE {
+        float sum = 0;
+        for (uint k = start[s]; k < start[s + 1]; k++)
+            sum += value[8 * k + lane] * x[column[8 * k + lane]];
+        FINISH(float, LOAD1, STORE1, sum, row, diagonal[row], inverse[row]);
+    }
+}
+
+inline float2 times(float2 a, float2 b) { return (float2)(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x); }
+
+kernel void cycle_complex(MATRIX) {
+    const global float2 *z = (const global float2 *)x;
+    ROW_OF_SLICE {
+        float2 sum = 0;
+        for (uint k = start[s]; k < start[s + 1]; k++)
+            sum += times(vload2(8 * k + lane, value), z[column[8 * k + lane]]);
+        FINISH(float2, vload2, vstore2, sum, row, diagonal[row], inverse[row]);
+    }
+}
+
+kernel void cycle_turned(MATRIX) {
+    const global float4 *z = (const global float4 *)x;
+    ROW_OF_SLICE {
+        float4 sum = 0;
+        for (uint k = start[s]; k < start[s + 1]; k++) {
+            const uint c = column[8 * k + lane];
+            const float4 u = turned(z[COLUMN(c)], c >> TURN_SHIFT);
+            sum.lo += times(vload2(16 * k + lane, value), u.lo);
+            sum.hi += times(vload2(16 * k + 8 + lane, value), u.hi);
+        }
+        FINISH(float4, vload4, vstore4, sum, row, diagonal[row], inverse[row]);
+    }
+}
+
+#endif
+
+inline float4 block_times(const global float *m, uint e, float4 x) {
+    const float16 p = vload16(e, m) * (float16)(x, x, x, x);
+    const float8 h = (float8)(p.s04, p.s8c, p.s15, p.s9d) + (float8)(p.s26, p.sae, p.s37, p.sbf);
+    return h.lo + h.hi;
+}
+
+/* Both shapes: one row is 4 numbers wide and its blocks 16. */
+kernel void cycle_dense(MATRIX) {
+    const global float4 *z = (const global float4 *)x;
+#if PC_CHUNK
+    EACH_SLICE {
+#else
+    const uint s = get_global_id(0);
+    (void)per_item;
+    if (s < slices) {
+#endif
+        const uint row = first + s;
+        float16 wide = 0;
+        for (uint e = start[s]; e < start[s + 1]; e++) {
+            const float4 u = z[column[e]];
+            wide += vload16(e, value) * (float16)(u, u, u, u);
+        }
+        const float8 half_sum = (float8)(wide.s04, wide.s8c, wide.s15, wide.s9d) +
+                                (float8)(wide.s26, wide.sae, wide.s37, wide.sbf);
+        const float4 sum = half_sum.lo + half_sum.hi;
+        if (mode == 0) {
+            vstore4(sum, row, y);
+        } else if (mode == 1) {
+            vstore4(vload4(row, y) + sum, row, y);
+        } else {
+            const float4 own = z[row];
+            const float4 residual = vload4(row, b) - sum - block_times(diagonal, row, own);
+            if (mode == 2) {
+                vstore4(residual, row, y);
+            } else {
+                float4 change = beta * block_times(inverse, row, residual);
+                if (alpha != 0) change += alpha * vload4(row, d);
+                vstore4(change, row, d);
+                vstore4(own + change, row, y);
+            }
+        }
+    }
+}
+
+/* The first step from x = 0: d = x = beta D^-1 b; `width` numbers per row, 16 for a dense diagonal. Items take
+ * `per_item` rows. */
+kernel void cycle_first(const global float *restrict inverse, const global float *restrict b, global float *restrict x,
+                        global float *restrict d, const uint rows, const uint width, const uint per_item,
+                        const float beta) {
+    const uint from = get_global_id(0) * per_item;
+    const uint to = min(from + per_item, rows);
+    for (uint row = from; row < to; row++) {
+        if (width == 16) {
+            const float4 change = beta * block_times(inverse, row, vload4(row, b));
+            vstore4(change, row, d);
+            vstore4(change, row, x);
+        } else if (width == 4) {
+            const float4 change = beta * inverse[row] * vload4(row, b);
+            vstore4(change, row, d);
+            vstore4(change, row, x);
+        } else if (width == 2) {
+            const float2 change = beta * inverse[row] * vload2(row, b);
+            vstore2(change, row, d);
+            vstore2(change, row, x);
+        } else {
+            d[row] = x[row] = beta * inverse[row] * b[row];
+        }
+    }
+}
+
+/* x = A b with a dense symmetric n x n matrix; an item takes a row. */
+kernel void cycle_direct(const global float *restrict matrix, const global float *restrict b,
+                         global float *restrict x, const uint n) {
+    const uint row = get_global_id(0);
+    if (row >= n) return;
+    float sum = 0;
+    for (uint k = 0; k < n; k++)
+        sum += matrix[k * n + row] * b[k];
+    x[row] = sum;
+}

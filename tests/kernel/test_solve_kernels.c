@@ -1,0 +1,264 @@
+/* Solver kernels in both shapes against the plain-C references. */
+#include "devmat.h"
+#include "devsolve.h"
+#include "memory.h"
+#include "random.h"
+#include "solver.h"
+#include "systems.h"
+#include "testing.h"
+#include <math.h>
+
+extern const char pc_kernel_cycle[];
+
+static const pc_block_kind kinds[3] = {PC_BLOCK_SCALAR, PC_BLOCK_COMPLEX, PC_BLOCK_TURNED};
+static const pc_shape shapes[2] = {PC_SHAPE_CHUNK, PC_SHAPE_ROW};
+
+/* The default device in a shape; NULL where the machine has none. */
+static pc_device *open_device(pc_context *ctx, pc_shape shape) {
+    pc_device *device = NULL;
+    if (pc_device_open(&device, ctx, NULL) != PC_OK) {
+        pc_context_clear_message(ctx);
+        return NULL;
+    }
+    pc_device_set_shape(device, shape);
+    return device;
+}
+
+static double *random_vector(pc_context *ctx, size_t n, uint64_t seed) {
+    pc_random random = {seed};
+    double *x = NULL;
+    assert_ok(ctx, pc_new(&x, ctx, n));
+    for (size_t i = 0; i < n; i++)
+        x[i] = 2 * pc_random_uniform(&random) - 1;
+    return x;
+}
+
+static double relative_residual(pc_context *ctx, const pc_system *system, const double *x, const double *b) {
+    size_t n = (size_t)system->row_count * (size_t)pc_block_width(system->kind);
+    double *y = NULL;
+    double error = 0;
+    double size = 0;
+    assert_ok(ctx, pc_new(&y, ctx, n));
+    pc_system_apply(y, system, x);
+    for (size_t i = 0; i < n; i++) {
+        error += (y[i] - b[i]) * (y[i] - b[i]);
+        size += b[i] * b[i];
+    }
+    pc_free(ctx, y);
+    return sqrt(error / size);
+}
+
+/* Iterations; the true residual must be what is claimed. `answer` takes the solution, which the caller frees.
+ */
+static pc_index solve(pc_context *ctx, pc_device *device, const pc_system *system, pc_preconditioner which,
+                      double tolerance, double **answer) {
+    size_t n = (size_t)system->row_count * (size_t)pc_block_width(system->kind);
+    pc_solver_options options = PC_SOLVER_DEFAULTS;
+    pc_solver_stats stats;
+    pc_solver *solver = NULL;
+    double *b = random_vector(ctx, n, 11);
+    double *x = random_vector(ctx, n, 12);
+    options.preconditioner = which;
+    assert_ok(ctx, pc_solver_make(&solver, ctx, device, system, &options));
+    assert_ok(ctx, pc_solver_solve(solver, ctx, x, b, tolerance, &stats));
+    double residual = relative_residual(ctx, system, x, b);
+    assert_true(residual <= 1.01 * tolerance);
+    assert_true(fabs(residual - stats.residual) <= 1e-2 * tolerance);
+    pc_solver_free(solver, ctx);
+    pc_free(ctx, b);
+    if (answer)
+        *answer = x;
+    else
+        pc_free(ctx, x);
+    return stats.iterations;
+}
+
+static void random_systems_on_both_shapes(void **state) {
+    pc_context *ctx = *state;
+    static const pc_index sizes[] = {1, 2, 7, 9, 100, 3001};
+    for (int s = 0; s < 2; s++) {
+        pc_device *device = open_device(ctx, shapes[s]);
+        if (!device) skip();
+        for (size_t k = 0; k < 3 * sizeof sizes / sizeof *sizes; k++) {
+            for (int which = 0; which < 2; which++) {
+                pc_system system;
+                assert_ok(ctx,
+                          pc_synth_random_system(&system, ctx, kinds[k % 3], sizes[k / 3], 9, 1.05, 40 + k));
+                assert_ok(ctx, pc_system_check(&system, ctx));
+                (void)solve(ctx, device, &system, (pc_preconditioner)which, 1e-9, NULL);
+                pc_system_free(&system, ctx);
+            }
+        }
+        pc_device_close(device, ctx);
+    }
+}
+
+static void device_iterates_like_the_host(void **state) {
+    pc_context *ctx = *state;
+    pc_device *host = NULL;
+    assert_ok(ctx, pc_device_open(&host, ctx, "host"));
+    for (int k = 0; k < 3; k++) {
+        pc_system system;
+        pc_synth_options options = PC_SYNTH_DEFAULTS;
+        double *expected = NULL;
+        options.around = 90;
+        options.across = 70;
+        assert_ok(ctx, pc_synth_torus_system(&system, ctx, kinds[k], &options));
+        size_t n = (size_t)system.row_count * (size_t)pc_block_width(system.kind);
+        pc_index its = solve(ctx, host, &system, PC_PRECONDITION_MULTIGRID, 1e-10, &expected);
+        for (int s = 0; s < 2; s++) {
+            pc_device *device = open_device(ctx, shapes[s]);
+            double *x = NULL;
+            double largest = 0;
+            double difference = 0;
+            if (!device) continue;
+            pc_index on_device = solve(ctx, device, &system, PC_PRECONDITION_MULTIGRID, 1e-10, &x);
+            assert_true(on_device + 1 >= its && on_device <= its + 1);
+            for (size_t i = 0; i < n; i++) {
+                largest = fmax(largest, fabs(expected[i]));
+                difference = fmax(difference, fabs(x[i] - expected[i]));
+            }
+            assert_true(difference <= 1e-4 * largest);
+            pc_free(ctx, x);
+            pc_device_close(device, ctx);
+        }
+        pc_free(ctx, expected);
+        pc_system_free(&system, ctx);
+    }
+    pc_device_close(host, ctx);
+}
+
+/* Small allocations split the matrices; the answer's bytes stay. */
+static void split_matrices_give_the_same_bytes(void **state) {
+    pc_context *ctx = *state;
+    for (int k = 0; k < 6; k++) {
+        pc_device *device = open_device(ctx, shapes[k / 3]);
+        pc_system system;
+        pc_synth_options options = PC_SYNTH_DEFAULTS;
+        double *whole = NULL;
+        double *split = NULL;
+        if (!device) skip();
+        options.around = options.across = 120;
+        assert_ok(ctx, pc_synth_torus_system(&system, ctx, kinds[k % 3], &options));
+        size_t n = (size_t)system.row_count * (size_t)pc_block_width(system.kind);
+        (void)solve(ctx, device, &system, PC_PRECONDITION_MULTIGRID, 1e-8, &whole);
+        pc_device_set_allocation_cap(device, 2 * n * sizeof(double));
+        (void)solve(ctx, device, &system, PC_PRECONDITION_MULTIGRID, 1e-8, &split);
+        assert_memory_equal(whole, split, n * sizeof *whole);
+        pc_free(ctx, whole);
+        pc_free(ctx, split);
+        pc_system_free(&system, ctx);
+        pc_device_close(device, ctx);
+    }
+}
+
+static void order_keeps_every_row(void **state) {
+    pc_context *ctx = *state;
+    pc_system system;
+    pc_multigrid multigrid;
+    pc_row_order order;
+    assert_ok(ctx, pc_synth_random_system(&system, ctx, PC_BLOCK_COMPLEX, 1000, 12, 1.2, 3));
+    assert_ok(ctx, pc_multigrid_make_finest(&multigrid, ctx, &system));
+    assert_ok(ctx, pc_row_order_make(&order, ctx, &multigrid.level[0].matrix));
+    for (pc_index i = 0; i < 1000; i++) {
+        assert_int_equal(order.row[order.place[i]], i);
+        assert_int_equal(order.place[i] / 256, i / 256);
+        if (i % 256 > 0) {
+            pc_index here = order.row[i];
+            pc_index before = order.row[i - 1];
+            assert_true(system.start[here + 1] - system.start[here] <=
+                        system.start[before + 1] - system.start[before]);
+        }
+    }
+    pc_row_order_free(&order, ctx);
+    pc_multigrid_free(&multigrid, ctx);
+    pc_system_free(&system, ctx);
+}
+
+/* One product of a level, kernel against reference. */
+static void compare_product(pc_context *ctx, pc_device *device, const pc_blockmat *m, const pc_row_order *order) {
+    static const char *const names[4] = {"cycle_scalar", "cycle_complex", "cycle_turned", "cycle_dense"};
+    const size_t w = (size_t)pc_form_width(m->form);
+    const size_t n = w * m->row_count;
+    pc_devmat on_device;
+    pc_kernel *kernel;
+    pc_buffer *x_buffer;
+    pc_buffer *y_buffer;
+    float *x = NULL;
+    float *y = NULL;
+    float *placed = NULL;
+    assert_ok(ctx, pc_devmat_make(&on_device, ctx, device, m, order, order, NULL));
+    const size_t padded = w * pc_devmat_padded(&on_device);
+    assert_ok(ctx, pc_new(&x, ctx, padded));
+    assert_ok(ctx, pc_new(&y, ctx, padded));
+    assert_ok(ctx, pc_new(&placed, ctx, padded));
+    for (size_t i = 0; i < n; i++)
+        x[i] = (float)((double)(pc_hash64(i) >> 40) * 0x1p-23 - 1);
+    for (size_t i = 0; i < n; i++)
+        placed[w * order->place[i / w] + i % w] = x[i];
+    assert_ok(ctx, pc_buffer_from(&x_buffer, ctx, device, placed, padded * sizeof *x));
+    assert_ok(ctx, pc_buffer_zeroed(&y_buffer, ctx, device, padded * sizeof *x));
+    assert_ok(ctx, pc_kernel_get(&kernel, ctx, device, pc_kernel_cycle, names[m->form]));
+    assert_int_equal(on_device.part_count, 1);
+    const pc_devmat_part *part = &on_device.part[0];
+    size_t items =
+        pc_device_shape(device) == PC_SHAPE_CHUNK ? (part->slices + 4) / 5 : pc_devmat_padded(&on_device);
+    /* y = 0 - A x with b = y */
+    assert_ok(ctx,
+              pc_kernel_run(ctx, kernel, items, pc_device_shape(device) == PC_SHAPE_CHUNK ? 1 : 0, 0,
+                            PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value),
+                                    PC_BUF(on_device.diagonal), PC_BUF(on_device.inverse), PC_BUF(x_buffer),
+                                    PC_BUF(y_buffer), PC_BUF(y_buffer), PC_BUF(y_buffer), PC_U32(0),
+                                    PC_U32(part->slices), PC_U32(5), PC_U32(2), PC_F32(0), PC_F32(0))));
+    assert_ok(ctx, pc_buffer_read(placed, ctx, y_buffer, 0, padded * sizeof *placed));
+    pc_blockmat_apply(y, m, x);
+    for (size_t i = 0; i < n; i++) {
+        float got = -placed[w * order->place[i / w] + i % w];
+        if (!(fabsf(got - y[i]) <= 2e-5F))
+            fail_msg("form %d, number %zu: kernel %g, reference %g", m->form, i, (double)got, (double)y[i]);
+    }
+    pc_buffer_free(x_buffer, ctx);
+    pc_buffer_free(y_buffer, ctx);
+    pc_devmat_free(&on_device, ctx);
+    pc_free(ctx, x);
+    pc_free(ctx, y);
+    pc_free(ctx, placed);
+}
+
+static void products_match_their_reference(void **state) {
+    pc_context *ctx = *state;
+    for (int k = 0; k < 3; k++) {
+        pc_system system;
+        pc_multigrid multigrid;
+        pc_synth_options options = PC_SYNTH_DEFAULTS;
+        options.around = 61;
+        options.across = 37;
+        assert_ok(ctx, pc_synth_torus_system(&system, ctx, kinds[k], &options));
+        assert_ok(ctx, pc_multigrid_make(&multigrid, ctx, &system));
+        for (int s = 0; s < 2; s++) {
+            pc_device *device = open_device(ctx, shapes[s]);
+            if (!device) skip();
+            for (int level = 0; level < 2; level++) {
+                pc_row_order order;
+                const pc_blockmat *m = &multigrid.level[level].matrix;
+                assert_ok(ctx, pc_row_order_make(&order, ctx, m));
+                compare_product(ctx, device, m, &order);
+                pc_row_order_free(&order, ctx);
+            }
+            pc_device_close(device, ctx);
+        }
+        pc_multigrid_free(&multigrid, ctx);
+        pc_system_free(&system, ctx);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(order_keeps_every_row, make_context, free_context),
+        cmocka_unit_test_setup_teardown(products_match_their_reference, make_context, free_context),
+        cmocka_unit_test_setup_teardown(random_systems_on_both_shapes, make_context, free_context),
+        cmocka_unit_test_setup_teardown(device_iterates_like_the_host, make_context, free_context),
+        cmocka_unit_test_setup_teardown(split_matrices_give_the_same_bytes, make_context, free_context),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
