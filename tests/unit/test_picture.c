@@ -378,9 +378,9 @@ static void isolines_do_not_depend_on_the_frames(void **state) {
     assert_ok(ctx, pc_picture_make(&picture, ctx, mesh.position, mesh.vertex_count, &options));
     assert_ok(ctx, pc_scene_param(&picture, ctx, &mesh, &param));
     assert_ok(ctx, pc_picture_pixels(&pixels, ctx, &picture));
-    for (double y = 0.25; y < 3; y += 0.5)
-        for (double x = 0.25; x < 4; x += 0.5) {
-            double on = floor(x) + 0.5;
+    for (int j = 0; j < 6; j++)
+        for (int i = 0; i < 8; i++) {
+            double x = 0.25 + 0.5 * i, y = 0.25 + 0.5 * j, on = floor(x) + 0.5;
             assert_true(pixel_of(&picture, pixels, (pc_vec3){x, y, 0})[0] > 150);
             assert_true(pixel_of(&picture, pixels, (pc_vec3){on, y, 0})[0] < 110);
             assert_true(pixel_of(&picture, pixels, (pc_vec3){x, floor(y) + 0.5, 0})[0] < 110);
