@@ -1,15 +1,15 @@
 # The program, its man page, the library with its headers, and what find_package(percale) needs.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
+include(cmake/PublicHeaders.cmake)
 
 install(TARGETS percale_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS percale EXPORT percaleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT percaleTargets NAMESPACE percale:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/percale)
 
-foreach(dir ${PERCALE_LAYER_DIRS} ${CMAKE_CURRENT_SOURCE_DIR}/host/include/percale)
-  install(DIRECTORY ${dir}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/percale
-          FILES_MATCHING PATTERN "*.h" PATTERN "*_private.h" EXCLUDE)
-endforeach()
+percale_public_headers(headers)
+install(FILES ${headers} ${CMAKE_CURRENT_SOURCE_DIR}/host/include/percale/percale.h
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/percale)
 
 configure_package_config_file(cmake/percaleConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/percaleConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/percale)
