@@ -1,6 +1,8 @@
 #include "clock.h"
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 static double seconds(clockid_t clock) {
     struct timespec now;
@@ -16,4 +18,11 @@ size_t pc_clock_peak_bytes(void) {
     struct rusage usage;
     (void)getrusage(RUSAGE_SELF, &usage);
     return (size_t)usage.ru_maxrss * 1024;
+}
+
+void pc_clock_reset_peak(void) {
+    int file = open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);
+    if (file < 0) return;
+    (void)!write(file, "5", 1); /* proc(5): resets the peak resident set */
+    (void)close(file);
 }

@@ -3,6 +3,7 @@
 #define PC_VEC3_H
 
 #include <math.h>
+#include <stddef.h>
 
 #define PC_PI 3.14159265358979323846
 

@@ -2,7 +2,7 @@
 #ifndef PC_LAYOUT_H
 #define PC_LAYOUT_H
 
-#include "trimesh.h"
+#include "param.h"
 
 typedef struct pc_layout {
     pc_mesh mesh;            /* the scan, its triangles split along the arcs; scan vertices come first, in order */
@@ -21,6 +21,19 @@ typedef struct pc_layout {
     uint8_t *cell_side_flat; /* per side: 1 where its first node is a T-junction on a straight side of this cell */
 } pc_layout;
 
+typedef struct pc_layout_stats {
+    pc_index dangling_edges; /* pieces of lines removed because they ended at a singularity */
+    pc_index cut_cells;      /* regions that were no disks and have been cut */
+    pc_index split_cells;    /* cells that met themselves and have been split */
+    pc_index merged_cells;   /* slivers between two lines that have been given to a neighbour */
+} pc_layout_stats;
+
+/* The cells between the iso-lines of `param`. Every cell is a disk, no arc has the same cell on both sides or the same
+ * node at both ends, so that nodes - arcs + cells = chi of the mesh, exactly (digest C28, C29). */
+pc_status pc_layout_make(pc_layout *layout, pc_layout_stats *stats, pc_context *ctx, const pc_mesh *mesh,
+                         const pc_param *param);
 void pc_layout_free(pc_layout *layout, pc_context *ctx);
+/* All that is promised above, and that every side of every cell is where the arcs say. PC_E_BUG else. */
+pc_status pc_layout_check(const pc_layout *layout, pc_context *ctx);
 
 #endif

@@ -6,11 +6,11 @@ enum { SLICE = 8, WINDOW = 256, PART_STEP = 512, TURN_SHIFT = 30 };
 /* A part is kept below this whatever the device allows: large single buffers are what drivers get wrong. */
 static const size_t largest_part = (size_t)1 << 30;
 
-pc_status pc_order_make(pc_order *order, pc_context *ctx, const pc_blockmat *matrix) {
+pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_blockmat *matrix) {
     enum { LONGEST = 64 };
     pc_status status = PC_OK;
     const pc_index n = matrix->row_count;
-    *order = (pc_order){.count = n, .padded = (n + SLICE - 1) / SLICE * SLICE};
+    *order = (pc_row_order){.count = n, .padded = (n + SLICE - 1) / SLICE * SLICE};
     PC_TRY(pc_new(&order->row, ctx, n));
     PC_TRY(pc_new(&order->place, ctx, n));
     for (pc_index window = 0; window < n; window += WINDOW) {
@@ -31,21 +31,21 @@ pc_status pc_order_make(pc_order *order, pc_context *ctx, const pc_blockmat *mat
         }
     }
 done:
-    if (status != PC_OK) pc_order_free(order, ctx);
+    if (status != PC_OK) pc_row_order_free(order, ctx);
     return status;
 }
 
-void pc_order_free(pc_order *order, pc_context *ctx) {
+void pc_row_order_free(pc_row_order *order, pc_context *ctx) {
     pc_free(ctx, order->row);
     pc_free(ctx, order->place);
-    *order = (pc_order){0};
+    *order = (pc_row_order){0};
 }
 
 /* What is being copied. */
 typedef struct copying {
     const pc_blockmat *matrix;
-    const pc_order *rows;
-    const pc_order *columns;
+    const pc_row_order *rows;
+    const pc_row_order *columns;
     const pc_system *exact;
     pc_index slice_rows;
 } copying;
@@ -190,7 +190,7 @@ done:
 }
 
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
-                         const pc_order *rows, const pc_order *columns, const pc_system *exact) {
+                         const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact) {
     pc_status status = PC_OK;
     copying c = {matrix, rows, columns, exact, matrix->form == PC_FORM_DENSE ? 1 : SLICE};
     size_t cap = pc_device_allocation_cap(device);

@@ -7,16 +7,16 @@
 #include "launch.h"
 
 /* The order of a level's rows on the device. */
-typedef struct pc_order {
+typedef struct pc_row_order {
     pc_index count;
     pc_index padded; /* a multiple of 8 */
     pc_index *row;   /* per place: the row there */
     pc_index *place; /* per row */
-} pc_order;
+} pc_row_order;
 
 /* Rows of `matrix` sorted by length in windows of 256; as they are for dense matrices. */
-pc_status pc_order_make(pc_order *order, pc_context *ctx, const pc_blockmat *matrix);
-void pc_order_free(pc_order *order, pc_context *ctx);
+pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_blockmat *matrix);
+void pc_row_order_free(pc_row_order *order, pc_context *ctx);
 
 typedef struct pc_devmat_part {
     pc_index first;  /* slice */
@@ -41,7 +41,7 @@ typedef struct pc_devmat {
 /* Copies `matrix` with its rows and columns in the given orders. `exact`: the values in double too (those of
  * `system`). */
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
-                         const pc_order *rows, const pc_order *columns, const pc_system *exact);
+                         const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact);
 void pc_devmat_free(pc_devmat *matrix, pc_context *ctx);
 /* Rows on the device: whole slices. */
 static inline size_t pc_devmat_padded(const pc_devmat *matrix) {

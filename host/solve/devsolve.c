@@ -13,7 +13,7 @@ enum { SCALAR_PQ = 0, SCALAR_RR = 1, SCALAR_RZ = 2, SCALARS = 4 };
 enum { APPLY, ADD, RESIDUAL, SMOOTH };
 
 typedef struct devlevel {
-    pc_order order;
+    pc_row_order order;
     pc_devmat matrix, prolongator, restriction;
     pc_chebyshev chebyshev;
     size_t numbers; /* of a vector on the device */
@@ -116,10 +116,10 @@ pc_status pc_devsolve_make(pc_devsolve **solve, pc_context *ctx, pc_device *devi
     s->scale = multigrid->scale;
     PC_TRY(get_kernels(s, ctx, (pc_block_form)system->kind));
     for (int k = 0; k < s->level_count; k++)
-        PC_TRY(pc_order_make(&s->level[k].order, ctx, &multigrid->level[k].matrix));
+        PC_TRY(pc_row_order_make(&s->level[k].order, ctx, &multigrid->level[k].matrix));
     if (multigrid->inverse) {
         /* The direct solve knows its level's own order only. */
-        pc_order *order = &s->level[s->level_count - 1].order;
+        pc_row_order *order = &s->level[s->level_count - 1].order;
         s->direct_count = (pc_index)((size_t)order->count * (size_t)s->width);
         for (pc_index i = 0; i < order->count; i++)
             order->row[i] = order->place[i] = i;
@@ -142,7 +142,7 @@ void pc_devsolve_free(pc_devsolve *solve, pc_context *ctx) {
     if (!solve) return;
     for (int k = 0; k < PC_MOST_LEVELS; k++) {
         devlevel *level = &solve->level[k];
-        pc_order_free(&level->order, ctx);
+        pc_row_order_free(&level->order, ctx);
         pc_devmat_free(&level->matrix, ctx);
         pc_devmat_free(&level->prolongator, ctx);
         pc_devmat_free(&level->restriction, ctx);
@@ -344,7 +344,7 @@ done:
 static pc_status send(pc_devsolve *s, pc_context *ctx, const pc_buffer *to, double *scratch,
                       const double *from) {
     const size_t w = (size_t)s->width;
-    const pc_order *order = &s->level[0].order;
+    const pc_row_order *order = &s->level[0].order;
 #pragma omp parallel for schedule(static)
     for (pc_index place = 0; place < order->count; place++)
         memcpy(scratch + w * place, from + w * order->row[place], w * sizeof *from);
@@ -353,7 +353,7 @@ static pc_status send(pc_devsolve *s, pc_context *ctx, const pc_buffer *to, doub
 
 static pc_status fetch(pc_devsolve *s, pc_context *ctx, double *to, double *scratch, const pc_buffer *from) {
     const size_t w = (size_t)s->width;
-    const pc_order *order = &s->level[0].order;
+    const pc_row_order *order = &s->level[0].order;
     pc_status status = pc_buffer_read(scratch, ctx, from, 0, w * order->count * sizeof *to);
 #pragma omp parallel for schedule(static)
     for (pc_index row = 0; row < order->count; row++)

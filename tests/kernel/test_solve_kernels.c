@@ -156,10 +156,10 @@ static void order_keeps_every_row(void **state) {
     pc_context *ctx = *state;
     pc_system system;
     pc_multigrid multigrid;
-    pc_order order;
+    pc_row_order order;
     assert_ok(ctx, pc_synth_random_system(&system, ctx, PC_BLOCK_COMPLEX, 1000, 12, 1.2, 3));
     assert_ok(ctx, pc_multigrid_make_finest(&multigrid, ctx, &system));
-    assert_ok(ctx, pc_order_make(&order, ctx, &multigrid.level[0].matrix));
+    assert_ok(ctx, pc_row_order_make(&order, ctx, &multigrid.level[0].matrix));
     for (pc_index i = 0; i < 1000; i++) {
         assert_int_equal(order.row[order.place[i]], i);
         assert_int_equal(order.place[i] / 256, i / 256);
@@ -170,13 +170,13 @@ static void order_keeps_every_row(void **state) {
                         system.start[before + 1] - system.start[before]);
         }
     }
-    pc_order_free(&order, ctx);
+    pc_row_order_free(&order, ctx);
     pc_multigrid_free(&multigrid, ctx);
     pc_system_free(&system, ctx);
 }
 
 /* One product of a level, kernel against reference. */
-static void compare_product(pc_context *ctx, pc_device *device, const pc_blockmat *m, const pc_order *order) {
+static void compare_product(pc_context *ctx, pc_device *device, const pc_blockmat *m, const pc_row_order *order) {
     static const char *const names[4] = {"cycle_scalar", "cycle_complex", "cycle_turned", "cycle_dense"};
     const size_t w = (size_t)pc_form_width(m->form);
     const size_t n = w * m->row_count;
@@ -239,11 +239,11 @@ static void products_match_their_reference(void **state) {
             pc_device *device = open_device(ctx, shapes[s]);
             if (!device) skip();
             for (int level = 0; level < 2; level++) {
-                pc_order order;
+                pc_row_order order;
                 const pc_blockmat *m = &multigrid.level[level].matrix;
-                assert_ok(ctx, pc_order_make(&order, ctx, m));
+                assert_ok(ctx, pc_row_order_make(&order, ctx, m));
                 compare_product(ctx, device, m, &order);
-                pc_order_free(&order, ctx);
+                pc_row_order_free(&order, ctx);
             }
             pc_device_close(device, ctx);
         }

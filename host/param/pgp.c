@@ -1,0 +1,148 @@
+#include "pgp.h"
+#include "memory.h"
+#include "random.h"
+#include "vec3.h"
+#include <string.h>
+
+enum { GRAIN = 4096 };
+
+/* ---- the system ---- */
+
+static void put_entry(pc_system *system, pc_index at, int turn, double s, double t, double weight) {
+    double a = 2 * PC_PI * s, b = 2 * PC_PI * t;
+    double *value = system->value + 4 * (size_t)at;
+    value[0] = -weight * cos(a), value[1] = weight * sin(a);
+    value[2] = -weight * cos(b), value[3] = weight * sin(b);
+    system->turn[at] = (uint8_t)turn;
+}
+
+pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling,
+                          const double *mass, double shift) {
+    (void)device;
+    pc_status status = PC_OK;
+    const pc_index *slot = rows->slot;
+    PC_TRY(pc_system_make(system, ctx, PC_BLOCK_TURNED, mesh->vertex_count, 2 * (size_t)adjacency->edge_count));
+    memcpy(system->start, rows->start, sizeof(pc_index) * ((size_t)rows->row_count + 1));
+    memcpy(system->column, rows->column, sizeof(pc_index) * 2 * (size_t)rows->edge_count);
+#pragma omp parallel for schedule(static, GRAIN)
+    for (pc_index e = 0; e < adjacency->edge_count; e++) {
+        int turn = coupling->turn[e], back = pc_turn_back(turn);
+        double s = coupling->advance[2 * (size_t)e], t = coupling->advance[2 * (size_t)e + 1];
+        double weight = coupling->weight[e];
+        put_entry(system, slot[2 * (size_t)e], turn, s, t, weight);
+        pc_turn_pair(&s, &t, back);
+        put_entry(system, slot[2 * (size_t)e + 1], back, -s, -t, weight);
+    }
+    for (pc_index i = 0; i < mesh->vertex_count; i++)
+        system->diagonal[i] = shift * mass[i];
+    for (pc_index e = 0; e < adjacency->edge_count; e++) {
+        pc_index h = adjacency->edge_half[e];
+        system->diagonal[pc_tail(mesh, h)] += coupling->weight[e];
+        system->diagonal[pc_head(mesh, h)] += coupling->weight[e];
+    }
+done:
+    if (status != PC_OK) pc_system_free(system, ctx);
+    return status;
+}
+
+/* ---- normalise and solve ---- */
+
+static void vertex_mass(double *mass, const pc_mesh *mesh) {
+    memset(mass, 0, sizeof(double) * mesh->vertex_count);
+    double total = 0;
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        const pc_index *t = mesh->triangle + 3 * (size_t)f;
+        pc_vec3 a = pc_vec3_at(mesh->position, t[0]);
+        pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, t[1]), a), pc_sub(pc_vec3_at(mesh->position, t[2]), a));
+        double third = pc_norm(n) / 6;
+        for (int k = 0; k < 3; k++)
+            mass[t[k]] += third;
+        total += 3 * third;
+    }
+    /* A vertex among zero-area triangles still takes part. */
+    double least = 1e-6 * total / (mesh->vertex_count ? mesh->vertex_count : 1);
+    for (pc_index v = 0; v < mesh->vertex_count; v++)
+        if (mass[v] < least) mass[v] = least;
+}
+
+static void normalise(double *phase, pc_index count) {
+#pragma omp parallel for schedule(static, GRAIN)
+    for (pc_index i = 0; i < 2 * count; i++) {
+        double *u = phase + 2 * (size_t)i, norm = sqrt(u[0] * u[0] + u[1] * u[1]);
+        if (norm > 1e-30)
+            u[0] /= norm, u[1] /= norm;
+        else
+            u[0] = 1, u[1] = 0;
+    }
+}
+
+static void start_phases(double *phase, pc_index count, uint64_t seed) {
+    double largest = 0;
+    for (size_t i = 0; i < 4 * (size_t)count; i++)
+        largest = fmax(largest, fabs(phase[i]));
+    if (largest > 0) return;
+    for (pc_index i = 0; i < 2 * count; i++) {
+        double angle = 2 * PC_PI * (double)(pc_hash64(seed * 0x1000003u + i) >> 11) * 0x1p-53;
+        phase[2 * (size_t)i] = cos(angle), phase[2 * (size_t)i + 1] = sin(angle);
+    }
+}
+
+/* The sum over the edges in blocks of fixed size, so that the number of threads does not show. */
+static double edge_energy(const double *phase, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                          const pc_coupling *coupling) {
+    double sum = 0;
+    for (pc_index e = 0; e < adjacency->edge_count; e++) {
+        pc_index h = adjacency->edge_half[e];
+        const double *x = phase + 4 * (size_t)pc_tail(mesh, h), *y = phase + 4 * (size_t)pc_head(mesh, h);
+        double s = atan2(y[1], y[0]), t = atan2(y[3], y[2]);
+        pc_turn_pair(&s, &t, coupling->turn[e]);
+        s -= atan2(x[1], x[0]) + 2 * PC_PI * coupling->advance[2 * (size_t)e];
+        t -= atan2(x[3], x[2]) + 2 * PC_PI * coupling->advance[2 * (size_t)e + 1];
+        sum += coupling->weight[e] * (4 - 2 * cos(s) - 2 * cos(t));
+    }
+    return sum;
+}
+
+pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_device *device,
+                       const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_edge_rows *rows,
+                       const pc_coupling *coupling, double period_length, const pc_pgp_options *options) {
+    pc_status status = PC_OK;
+    pc_system system = {0};
+    pc_solver *solver = NULL;
+    double *mass = NULL, *rhs = NULL;
+    const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
+    pc_index n = mesh->vertex_count;
+    *stats = (pc_pgp_stats){0};
+    PC_TRY(pc_new(&mass, ctx, n));
+    PC_TRY(pc_new(&rhs, ctx, 4 * (size_t)n));
+    vertex_mass(mass, mesh);
+    start_phases(phase, n, options->seed);
+    for (int step = 0; step < options->steps; step++) {
+        double f = options->steps > 1 ? (double)step / (options->steps - 1) : 1;
+        double reach = period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
+        double shift = 1 / (reach * reach);
+        pc_system_free(&system, ctx);
+        PC_TRY(pc_pgp_assemble(&system, ctx, device, mesh, adjacency, rows, coupling, mass, shift));
+        if (solver)
+            PC_TRY(pc_solver_update(solver, ctx, &system));
+        else
+            PC_TRY(pc_solver_make(&solver, ctx, device, &system, &solver_options));
+        for (size_t i = 0; i < 4 * (size_t)n; i++)
+            rhs[i] = shift * mass[i / 4] * phase[i];
+        pc_solver_stats solved;
+        PC_TRY(pc_solver_solve(solver, ctx, phase, rhs, options->tolerance, &solved));
+        stats->iterations += solved.iterations;
+        stats->seconds_in_solver += solved.setup_seconds + solved.solve_seconds;
+        normalise(phase, n);
+        pc_progress(ctx, (step + 1.0) / options->steps);
+        PC_TRY(pc_check_interrupt(ctx));
+    }
+    stats->energy = edge_energy(phase, mesh, adjacency, coupling);
+done:
+    pc_solver_free(solver, ctx);
+    pc_system_free(&system, ctx);
+    pc_free(ctx, mass);
+    pc_free(ctx, rhs);
+    return status;
+}

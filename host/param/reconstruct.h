@@ -1,0 +1,22 @@
+/* From phases to coordinates: (s,t) in fixed point and exact transitions (digest C26, C27). */
+#ifndef PC_RECONSTRUCT_H
+#define PC_RECONSTRUCT_H
+
+#include "coupling.h"
+#include "param.h"
+
+/* Fills turn, shift, coordinate and singular of `param` (arrays already made) from phases (4 per vertex). */
+void pc_reconstruct(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                    const pc_coupling *coupling, const double *phase);
+/* The fixed-point number for x periods: odd, so that no iso-line meets a vertex; reduced to one period. */
+int32_t pc_fixed_coordinate(double periods);
+/* Shifts from coordinates: each the whole periods that bring the jump closest to the edge's advance. */
+void pc_reconstruct_shifts(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                           const pc_coupling *coupling);
+/* The same for those edges only whose coordinates jump a period or more, which iso-lines could not follow. */
+void pc_reconstruct_torn(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                         const pc_coupling *coupling);
+/* Classifies every face by its transitions and the sign of its area. */
+void pc_reconstruct_flags(pc_param *param, const pc_mesh *mesh);
+
+#endif

@@ -1,0 +1,20 @@
+/* The output folder: refused where something would be overwritten, cleared of the results of earlier runs. */
+#ifndef PC_FOLDER_H
+#define PC_FOLDER_H
+
+#include "context.h"
+
+/* Names of the files in the folder. */
+#define PC_OUT_STAGES "stages"
+#define PC_OUT_REPORT "report.json"
+#define PC_OUT_RESULT "result.h5"
+
+/* `folder`/`name``ending`; free with pc_free. */
+pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,
+                         const char *ending);
+/* Makes the folder and those above it, and `stages` in it. PC_E_USAGE where it holds anything, unless `force`
+ * is set, or `resume` and it is the folder of an earlier run. Files that an export wrote there are removed;
+ * stage files too unless `resume`. PC_E_IO. */
+pc_status pc_folder_prepare(pc_context *ctx, const char *folder, bool resume, bool force);
+
+#endif

@@ -1,0 +1,73 @@
+/* Quads: the polygons of the layout's cells. */
+#include "doublet.h"
+#include "quads.h"
+#include "relax.h"
+#include "stage.h"
+#include <stdio.h>
+
+static void put_options(pc_json *json, const pc_convert_options *options) {
+    pc_json_boolean(json, "keep_ngons", options->keep_ngons);
+}
+
+static pc_status make(pc_run *run, pc_json *facts) {
+    pc_polymesh *quads = &run->product.quads;
+    pc_index four = 0, doublets = 0;
+    pc_relax_stats relaxed = {0};
+    const pc_relax_options relax_options = PC_RELAX_DEFAULTS;
+    pc_status status = pc_quads_make(quads, run->ctx, &run->product.layout,
+                                     run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT);
+    if (status != PC_OK) return status;
+    if (!run->options->keep_ngons) status = pc_doublets_remove(quads, &doublets, run->ctx);
+    if (status == PC_OK)
+        status = pc_relax(quads, &relaxed, run->ctx, &run->product.mesh.mesh, &run->product.mesh.adjacency,
+                          &relax_options);
+    if (status != PC_OK) return status;
+    for (pc_index f = 0; f < quads->face_count; f++) {
+        pc_index sides = 0;
+        for (pc_index c = quads->start[f]; c < quads->start[f + 1]; c++)
+            sides += !(quads->corner_flat && quads->corner_flat[c]);
+        four += sides == 4;
+    }
+    pc_json_integer(facts, "vertices", quads->vertex_count);
+    pc_json_integer(facts, "faces", quads->face_count);
+    pc_json_integer(facts, "quads", four);
+    pc_json_integer(facts, "doublets_removed", doublets);
+    pc_json_integer(facts, "badly_shaped_before", relaxed.bad_before);
+    pc_json_integer(facts, "badly_shaped", relaxed.bad_after);
+    (void)snprintf(run->record[PC_STAGE_QUADS].note, sizeof run->record->note, "%u faces, %.2f %% quads",
+                   quads->face_count, quads->face_count ? 100.0 * four / quads->face_count : 0);
+    return PC_OK;
+}
+
+static pc_status check(pc_run *run) {
+    const pc_polymesh *quads = &run->product.quads;
+    for (size_t c = 0; c < quads->start[quads->face_count]; c++)
+        if (quads->corner[c] >= quads->vertex_count)
+            return pc_fail(run->ctx, PC_E_BUG, "corner %zu of the quads has vertex %u of %u", c,
+                           quads->corner[c], quads->vertex_count);
+    return PC_OK;
+}
+
+static pc_status save(pc_run *run, pc_store *store) {
+    return pc_polymesh_save(store, "quads", &run->product.quads);
+}
+
+static pc_status load(pc_run *run, pc_store *store) {
+    return pc_polymesh_load(&run->product.quads, store, "quads");
+}
+
+static void drop(pc_run *run) {
+    pc_polymesh_free(&run->product.quads, run->ctx);
+}
+
+const pc_stage pc_stage_quads = {
+    .name = "quads",
+    .version = 1,
+    .needs = PC_NEEDS(PC_STAGE_MESH) | PC_NEEDS(PC_STAGE_LAYOUT),
+    .options = put_options,
+    .make = make,
+    .check = check,
+    .save = save,
+    .load = load,
+    .drop = drop,
+};

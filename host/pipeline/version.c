@@ -1,0 +1,5 @@
+#include "version.h"
+
+const char *pc_version(void) {
+    return PERCALE_VERSION;
+}
