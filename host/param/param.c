@@ -1,4 +1,5 @@
 #include "param.h"
+#include "dislocation.h"
 #include "integrate.h"
 #include "memory.h"
 #include "pgp.h"
@@ -68,17 +69,20 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     count_flags(stats, param);
     pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
-    for (int round = 0; round < 3; round++) {
+    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, 1e-6, &stats->iterations));
+    pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
+    pc_reconstruct_flags(param, mesh);
+    if (options->cancel_reach > 0) {
+        PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, mesh, adjacency,
+                                      options->cancel_reach * options->period_length));
         PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, 1e-6, &stats->iterations));
-        pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
+        pc_reconstruct_torn(param, mesh, adjacency, &coupling);
         pc_reconstruct_flags(param, mesh);
-        count_flags(stats, param);
-        pc_log(ctx, PC_LOG_DEBUG, "integrated: %u dislocations, %u field singularities, %u flipped",
-               stats->dislocations, stats->field_singularities, stats->flipped);
     }
     PC_TRY(pc_untangle(param, ctx, mesh, adjacency));
     count_flags(stats, param);
-    pc_log(ctx, PC_LOG_DEBUG, "untangled: %u flipped", stats->flipped);
+    pc_log(ctx, PC_LOG_DEBUG, "%u dislocations cancelled; left: %u dislocations, %u field singularities, %u flipped",
+           stats->cancelled, stats->dislocations, stats->field_singularities, stats->flipped);
 done:
     pc_coupling_free(&coupling, ctx);
     pc_edge_rows_free(&rows, ctx);

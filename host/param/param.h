@@ -32,12 +32,14 @@ enum {
 typedef struct pc_param_options {
     double period_length; /* L, model units; every edge must be shorter than half of it (see pc_refine) */
     uint64_t seed;
+    double cancel_reach; /* dislocations this many periods apart are cancelled, see pc_dislocations_cancel; 0: PGP's own */
 } pc_param_options;
-#define PC_PARAM_DEFAULTS {0.0, 1}
+#define PC_PARAM_DEFAULTS {0.0, 1, 6.0}
 
 typedef struct pc_param_stats {
     double energy; /* of the phases, see pc_pgp_stats */
     pc_index iterations;
+    pc_index cancelled; /* dislocations */
     pc_index dislocations, field_singularities, flipped; /* faces */
 } pc_param_stats;
 

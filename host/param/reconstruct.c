@@ -2,6 +2,7 @@
 #include "pgp_launch.h"
 #include "transition.h"
 #include "vec3.h"
+#include <stdlib.h>
 
 enum { GRAIN = 4096 };
 
@@ -20,23 +21,40 @@ static int32_t whole_periods(float advance, int64_t from, int64_t to) {
     return -(int32_t)((PC_PERIOD / 2 - steps - (scaled > whole)) / PC_PERIOD);
 }
 
+/* The shift of edge e that brings the jump closest to its advance, put on both half-edges. */
+static void round_shift(pc_param *param, pc_index e, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                        const pc_coupling *coupling) {
+    const int32_t *c = param->coordinate;
+    size_t h = adjacency->edge_half[e], i = pc_tail(mesh, (pc_index)h), j = pc_head(mesh, (pc_index)h);
+    pc_point2 p = {c[2 * i], c[2 * i + 1]};
+    pc_point2 q = pc_point2_turned((pc_point2){c[2 * j], c[2 * j + 1]}, coupling->turn[e]);
+    pc_transition g = {coupling->turn[e], whole_periods(coupling->advance[2 * (size_t)e], p.s, q.s),
+                       whole_periods(coupling->advance[2 * (size_t)e + 1], p.t, q.t)};
+    param->turn[h] = (uint8_t)g.turn;
+    param->shift[2 * h] = (int32_t)g.a, param->shift[2 * h + 1] = (int32_t)g.b;
+    if (adjacency->twin[h] == PC_NONE) return;
+    size_t twin = adjacency->twin[h];
+    g = pc_transition_inverse(g);
+    param->turn[twin] = (uint8_t)g.turn;
+    param->shift[2 * twin] = (int32_t)g.a, param->shift[2 * twin + 1] = (int32_t)g.b;
+}
+
 void pc_reconstruct_shifts(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
                            const pc_coupling *coupling) {
+#pragma omp parallel for schedule(static, GRAIN)
+    for (pc_index e = 0; e < adjacency->edge_count; e++)
+        round_shift(param, e, mesh, adjacency, coupling);
+}
+
+void pc_reconstruct_torn(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                         const pc_coupling *coupling) {
     const int32_t *c = param->coordinate;
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         size_t h = adjacency->edge_half[e], i = pc_tail(mesh, (pc_index)h), j = pc_head(mesh, (pc_index)h);
-        pc_point2 p = {c[2 * i], c[2 * i + 1]};
-        pc_point2 q = pc_point2_turned((pc_point2){c[2 * j], c[2 * j + 1]}, coupling->turn[e]);
-        pc_transition g = {coupling->turn[e], whole_periods(coupling->advance[2 * (size_t)e], p.s, q.s),
-                           whole_periods(coupling->advance[2 * (size_t)e + 1], p.t, q.t)};
-        param->turn[h] = (uint8_t)g.turn;
-        param->shift[2 * h] = (int32_t)g.a, param->shift[2 * h + 1] = (int32_t)g.b;
-        if (adjacency->twin[h] == PC_NONE) continue;
-        size_t twin = adjacency->twin[h];
-        g = pc_transition_inverse(g);
-        param->turn[twin] = (uint8_t)g.turn;
-        param->shift[2 * twin] = (int32_t)g.a, param->shift[2 * twin + 1] = (int32_t)g.b;
+        pc_point2 q = pc_transition_apply(pc_transition_of(param, h), (pc_point2){c[2 * j], c[2 * j + 1]});
+        if (llabs(q.s - c[2 * i]) >= PC_PERIOD || llabs(q.t - c[2 * i + 1]) >= PC_PERIOD)
+            round_shift(param, e, mesh, adjacency, coupling);
     }
 }
 

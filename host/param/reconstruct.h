@@ -15,6 +15,9 @@ int32_t pc_fixed_coordinate(double periods);
 /* Shifts from coordinates: each the whole periods that bring the jump closest to the edge's advance. */
 void pc_reconstruct_shifts(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
                            const pc_coupling *coupling);
+/* The same for those edges only whose coordinates jump a period or more, which iso-lines could not follow. */
+void pc_reconstruct_torn(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                         const pc_coupling *coupling);
 /* Classifies every face by its transitions and the sign of its area. */
 void pc_reconstruct_flags(pc_param *param, const pc_mesh *mesh);
 
