@@ -20,14 +20,19 @@ typedef struct bench {
     pc_parts parts;
     pc_halo halo;
     pc_topology topology;
-    double since;
+    double since, cpu_since;
 } bench;
 
+static void begin(bench *b) {
+    b->since = pc_clock_wall(), b->cpu_since = pc_clock_cpu();
+}
+
 static void tell(bench *b, const char *step) {
-    double now = pc_clock_wall();
-    printf("%-12s %8.3f s  peak %7.1f MB\n", step, now - b->since, (double)pc_memory_peak(b->ctx) / 1e6);
+    double now = pc_clock_wall(), cpu = pc_clock_cpu();
+    printf("%-12s %8.3f s  %8.3f s CPU  peak %7.1f MB\n", step, now - b->since, cpu - b->cpu_since,
+           (double)pc_memory_peak(b->ctx) / 1e6);
     pc_memory_reset_peak(b->ctx);
-    b->since = pc_clock_wall();
+    begin(b);
 }
 
 static void tell_defect(const char *what, const pc_defect *defect) {
@@ -58,7 +63,7 @@ static pc_status prepare(bench *b, const char *path) {
     pc_status status = PC_OK;
     pc_scan_info info;
     const pc_repair_options options = PC_REPAIR_DEFAULTS;
-    b->since = pc_clock_wall();
+    begin(b);
     PC_TRY(pc_scan_read(&b->raw, &info, b->ctx, path));
     tell(b, "read");
     PC_TRY(pc_repair(&b->mesh, &b->report, b->ctx, &b->raw, &options));
@@ -79,7 +84,7 @@ done:
 static pc_status arrange(bench *b, pc_index part_count) {
     pc_status status = PC_OK;
     pc_bandwidth before, after;
-    b->since = pc_clock_wall();
+    begin(b);
     PC_TRY(pc_graph_make(&b->graph, b->ctx, &b->mesh, &b->adjacency));
     tell(b, "graph");
     PC_TRY(pc_order_make(&b->order, b->ctx, &b->mesh, &b->graph));
@@ -89,14 +94,14 @@ static pc_status arrange(bench *b, pc_index part_count) {
     before = pc_order_bandwidth(&b->graph);
     pc_graph_free(&b->graph, b->ctx);
     pc_adjacency_free(&b->adjacency, b->ctx);
-    b->since = pc_clock_wall();
+    begin(b);
     PC_TRY(pc_adjacency_make(&b->adjacency, b->ctx, &b->ordered));
     tell(b, "adjacency");
     PC_TRY(pc_graph_make(&b->graph, b->ctx, &b->ordered, &b->adjacency));
     tell(b, "graph");
     after = pc_order_bandwidth(&b->graph);
     printf("  mean distance of neighbours %.0f before, %.0f after\n", before.mean, after.mean);
-    b->since = pc_clock_wall();
+    begin(b);
     PC_TRY(pc_parts_make(&b->parts, b->ctx, &b->graph, part_count));
     tell(b, "parts");
     PC_TRY(pc_halo_make(&b->halo, b->ctx, &b->graph, &b->parts));
@@ -110,7 +115,7 @@ done:
 static pc_status inspect(bench *b) {
     pc_inspection i;
     const pc_repair_options options = PC_REPAIR_DEFAULTS;
-    b->since = pc_clock_wall();
+    begin(b);
     pc_status status = pc_inspect(&i, b->ctx, &b->raw, &options);
     if (status != PC_OK) return status;
     tell(b, "inspect");

@@ -1,5 +1,5 @@
 /* Time and iterations of the solver on synthetic tori: block-Jacobi against multigrid.
- * usage: bench_solver [device [kind 0..2 [vertices [tolerance [jacobi 0|1]]]]] */
+ * usage: bench_solver [device [kind 0..2 [vertices [tolerance [jacobi 0|1 [jitter [least weight]]]]]]] */
 #include "clock.h"
 #include "memory.h"
 #include "random.h"
@@ -77,6 +77,7 @@ int main(int argc, char **argv) {
     options.around = options.across = (pc_index)sqrt(vertices);
     options.combed = true;
     if (argc > 6) options.jitter = atof(argv[6]);
+    if (argc > 7) options.least = atof(argv[7]);
     PC_TRY(pc_device_open(&device, ctx, argc > 1 ? argv[1] : "host"));
     PC_TRY(pc_synth_torus_system(&system, ctx, (pc_block_kind)kind, &options));
     printf("%s, kind %d, %u rows, tolerance %g\n", pc_device_name(device), kind, system.row_count, tolerance);

@@ -63,7 +63,7 @@ static pc_index lattice_vertex(int x, int y, int z, int n) {
     if (z <= 0)
         before = z == -n ? 0 : (pc_index)(1 + 2 * (ring - 1) * ring);
     else
-        before = (pc_index)(4 * n * n + 2 - 1 - 2 * ring * (ring + 1) + (ring == 0 ? 0 : 0));
+        before = (pc_index)(4 * n * n + 2 - 1 - 2 * ring * (ring + 1));
     if (ring == 0) return z < 0 ? 0 : (pc_index)(4 * n * n + 1);
     int at = y >= 0 ? (x > 0 ? y : ring - x) : (x < 0 ? 2 * ring - y : 3 * ring + x);
     if (y == 0 && x > 0) at = 0;

@@ -23,8 +23,12 @@ static double blob(pc_vec3 p, pc_index genus) {
     if (genus == 0)
         return pc_norm(p) - 1 - 0.12 * sin(3 * p.x + 1) * cos(2.5 * p.y) - 0.08 * sin(4 * p.z + 2 * p.x);
     double nearest = floor(p.x / (2 * RING_RADIUS) + 0.5), value = INFINITY;
-    for (double i = nearest - 1; i <= nearest + 1; i++)
-        if (i >= 0 && i < genus) value = isinf(value) ? ring(p, 2 * i) : melt(value, ring(p, 2 * i));
+    for (int side = -1; side <= 1; side++) {
+        double i = nearest + side;
+        if (i < 0 || i >= genus) continue;
+        double d = ring(p, 2 * RING_RADIUS * i);
+        value = isinf(value) ? d : melt(value, d);
+    }
     return isinf(value) ? ring(p, nearest < 0 ? 0 : 2 * (genus - 1.0)) : value;
 }
 

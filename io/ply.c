@@ -149,7 +149,8 @@ static pc_status read_list(size_t *count, ply_reader *r, const pc_ply_property *
     size_t left = (size_t)(r->text.end - r->text.at) + ascii;
     if (!(wanted >= 0 && wanted == floor(wanted)))
         return FAIL(r, start, "a list of %g items makes no sense", wanted);
-    if (wanted > (double)(left / size))
+    size_t most = left / size;
+    if (wanted > (double)most)
         return FAIL(
             r, start,
             "a list of %.0f items does not fit into the %zu bytes left: the file is damaged or truncated",

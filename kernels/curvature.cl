@@ -2,7 +2,7 @@
  * Positions come as two floats each, high and low part, so that edge vectors are as good as those of doubles: on a scan
  * of a million vertices single floats would drown the dihedral angles. A work-item does `chunk` rows. */
 
-enum { AREA = 6, ROUGH = 7, NORMAL = 8, LUMP = 12, RESULT = 16 };
+enum { AREA = 6, ROUGH = 7, NORMAL = 8, REACH = 11, LUMP = 12, RESULT = 16 };
 
 static float3 edge_between(__global const float *high, __global const float *low, uint i, uint j) {
     return (vload3(j, high) - vload3(i, high)) + (vload3(j, low) - vload3(i, low));
@@ -40,22 +40,29 @@ __kernel void curvature_bend(__global float *bend, __global const uint *edge_hal
     }
 }
 
-/* Half of each edge's term, a third of each triangle: 12 numbers per vertex. */
+static float walk_weight(float3 e, float step2) {
+    float d2 = dot(e, e);
+    return d2 > step2 ? step2 / d2 : 1;
+}
+
+/* Half of each edge's term, a third of each triangle: 12 numbers per vertex,
+ * the last is 1 + the sum of the weights of its edges. */
 __kernel void curvature_gather(__global float *lump, __global const float *bend, __global const uint *edge,
                                __global const uint *triangle, __global const float *high, __global const float *low,
                                __global const uint *start, __global const uint *vertex, __global const uint *half_edge,
-                               uint chunk, uint count) {
+                               float step2, uint chunk, uint count) {
     uint begin = (uint)get_global_id(0) * chunk, end = min(begin + chunk, count);
     for (uint v = begin; v < end; v++) {
         float3 row0 = 0, row1 = 0, normal = 0; /* xx xy xz | yy yz zz */
-        float area = 0, rough = 0;
+        float area = 0, rough = 0, reach = 1;
         for (uint k = start[v]; k < start[v + 1]; k++) {
             uint h = half_edge[k];
-            float3 u = unit(edge_between(high, low, v, vertex[k]));
+            float3 e = edge_between(high, low, v, vertex[k]), u = unit(e);
             float b = 0.5f * bend[edge[h]];
             row0 += b * u.x * u;
             row1 += b * (float3)(u.y * u.y, u.y * u.z, u.z * u.z);
             rough += fabs(b);
+            reach += walk_weight(e, step2);
             if (triangle[h] == v) {
                 float3 n = face_normal(triangle, high, low, h) / 6;
                 normal += n;
@@ -64,31 +71,32 @@ __kernel void curvature_gather(__global float *lump, __global const float *bend,
         }
         vstore4((float4)(row0, row1.x), 0, lump + LUMP * (size_t)v);
         vstore4((float4)(row1.yz, area, rough), 1, lump + LUMP * (size_t)v);
-        vstore4((float4)(normal, 0), 2, lump + LUMP * (size_t)v);
+        vstore4((float4)(normal, reach), 2, lump + LUMP * (size_t)v);
     }
 }
 
-/* One pass: the mean over a vertex and its neighbours, edges longer than the step counting less. */
+/* One pass of a walk with symmetric weights, edges longer than the step counting less. */
 __kernel void curvature_average(__global float *out, __global const float *in, __global const float *high,
                                 __global const float *low, __global const uint *start, __global const uint *vertex,
                                 float step2, uint chunk, uint count) {
     uint begin = (uint)get_global_id(0) * chunk, end = min(begin + chunk, count);
     for (uint v = begin; v < end; v++) {
         __global const float *own = in + LUMP * (size_t)v;
-        float8 sum = vload8(0, own);
-        float4 normal = vload4(2, own);
-        float total = 1;
+        float8 sum = 0;
+        float4 normal = 0;
+        float total = 0;
         for (uint k = start[v]; k < start[v + 1]; k++) {
             uint j = vertex[k];
             __global const float *other = in + LUMP * (size_t)j;
-            float3 e = edge_between(high, low, v, j);
-            float d2 = dot(e, e), w = d2 > step2 ? step2 / d2 : 1;
+            float w = walk_weight(edge_between(high, low, v, j), step2) / max(own[REACH], other[REACH]);
             sum += w * vload8(0, other);
             normal += w * vload4(2, other);
             total += w;
         }
-        vstore8(sum / total, 0, out + LUMP * (size_t)v);
-        vstore4(normal / total, 2, out + LUMP * (size_t)v);
+        normal += (1 - total) * vload4(2, own);
+        normal.w = own[REACH];
+        vstore8(sum + (1 - total) * vload8(0, own), 0, out + LUMP * (size_t)v);
+        vstore4(normal, 2, out + LUMP * (size_t)v);
     }
 }
 
@@ -105,9 +113,10 @@ static float trust(float k1, float k2, float rough, float flat, float noise) {
     return min(1.0f, apart / (sum + flat) * (ratio * ratio / (ratio * ratio + 4)));
 }
 
-/* 16 per vertex: tensor 6, normal 3, k1, k2, direction 3, weight, unused. */
+/* 16 per vertex: tensor 6, normal 3, k1, k2, direction 3, weight, unused. Written where the new weight is more
+ * than prefer times the old; prefer 0 writes all. */
 __kernel void curvature_principal(__global float *result, __global const float *lump, float flat, float noise,
-                                  uint chunk, uint count) {
+                                  float prefer, uint chunk, uint count) {
     uint begin = (uint)get_global_id(0) * chunk, end = min(begin + chunk, count);
     for (uint v = begin; v < end; v++) {
         __global const float *own = lump + LUMP * (size_t)v;
@@ -123,6 +132,8 @@ __kernel void curvature_principal(__global float *result, __global const float *
         float mean = 0.5f * (a + d), apart = hypot(0.5f * (a - d), b);
         float angle = 0.5f * atan2(2 * b, a - d) + M_PI_2_F; /* k1 lies across its eigenvector */
         float3 along = cos(angle) * b1 + sin(angle) * b2;
+        float weight = trust(mean + apart, mean - apart, own[ROUGH] / area, flat, noise);
+        if (prefer > 0 && !(weight > prefer * to[14])) continue;
         for (int k = 0; k < 6; k++)
             to[k] = t[k];
         vstore3(n, 2, to);
@@ -131,7 +142,7 @@ __kernel void curvature_principal(__global float *result, __global const float *
         to[11] = along.x;
         to[12] = along.y;
         to[13] = along.z;
-        to[14] = trust(mean + apart, mean - apart, own[ROUGH] / area, flat, noise);
+        to[14] = weight;
         to[15] = 0;
     }
 }

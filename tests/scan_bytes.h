@@ -158,7 +158,7 @@ static inline void make_stl_ascii(scan_bytes *b) {
 
 static inline void make_stl_binary(scan_bytes *b, const char *title) {
     char header[80] = "";
-    memcpy(header, title, strlen(title));
+    (void)snprintf(header, sizeof header, "%s", title);
     put_bytes(b, header, 80);
     put_integer(b, 4, 4, false);
     for (int f = 0; f < 4; f++) {

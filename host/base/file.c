@@ -91,8 +91,12 @@ static pc_status resolve(char **place, pc_context *ctx, const char *path, bool f
     struct stat about;
     *place = NULL;
     if (stat(path, &about) != 0) return copy_text(place, ctx, path);
-    if (!S_ISREG(about.st_mode)) return pc_fail(ctx, PC_E_IO, "%s: exists and is not a regular file", path);
-    if (!force) return pc_fail(ctx, PC_E_IO, "%s: exists already; --force overwrites it", path);
+    if (!S_ISREG(about.st_mode) || !force) {
+        const char *why = S_ISREG(about.st_mode) ? "exists already; --force overwrites it"
+                                                 : "exists and is not a regular file";
+        (void)pc_fail(ctx, PC_E_IO, "%s: %s", path, why);
+        return PC_E_IO;
+    }
     char *real = realpath(path, NULL);
     pc_status status = copy_text(place, ctx, real ? real : path);
     free(real);

@@ -20,20 +20,27 @@ static double noise_coherence(int passes) {
     return 0.35 / (1.0 + passes);
 }
 
+/* A walk on an even mesh has a variance of 6/7 h^2/2 per axis and step, a disk radius^2/4. */
+static void set_levels(pc_normalcycle *work, double radius, const pc_curvature_options *options) {
+    work->level_count = options->levels < 1 ? 1 : options->levels;
+    if (work->level_count > PC_NORMALCYCLE_LEVELS) work->level_count = PC_NORMALCYCLE_LEVELS;
+    for (int k = 0; k < work->level_count; k++, radius *= 2) {
+        double rings = work->step > 0 ? radius / work->step : 0;
+        int passes = 1 + (int)fmin(rings * rings / 1.71, 1000);
+        double flat = radius > 0 ? options->flatness / radius : 0;
+        work->level[k] = (pc_normalcycle_level){passes, flat, noise_coherence(passes)};
+    }
+}
+
 pc_status pc_curvature_make(pc_curvature *curvature, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                             const pc_adjacency *adjacency, const pc_curvature_options *options) {
     pc_status status = PC_OK;
     pc_ring ring = {0};
     double mean = pc_geometry_mean_edge(mesh, adjacency);
     double radius = options->radius > 0 ? options->radius : options->radius_edges * mean;
-    double rings = mean > 0 ? radius / mean : 0;
-    /* A step on an even mesh has a variance of 6/7 h^2/2 per axis, a disk radius^2/4. */
-    int passes = 1 + (int)fmin(rings * rings / 1.71, 1000);
-    pc_normalcycle work = {
-        .mesh = mesh, .adjacency = adjacency, .ring = &ring, .step = mean, .passes = passes};
+    pc_normalcycle work = {.mesh = mesh, .adjacency = adjacency, .ring = &ring, .step = mean};
     *curvature = (pc_curvature){.vertex_count = mesh->vertex_count, .radius = radius, .mean_edge = mean};
-    work.flat = radius > 0 ? options->flatness / radius : 0;
-    work.noise = noise_coherence(passes);
+    set_levels(&work, radius, options);
     PC_TRY(new_arrays(curvature, ctx, mesh->vertex_count));
     PC_TRY(pc_ring_make(&ring, ctx, mesh, adjacency));
     if (!device || pc_device_is_host(device))

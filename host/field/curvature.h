@@ -9,13 +9,14 @@ typedef struct pc_curvature_options {
     double radius; /* of the neighbourhood, model units; 0 takes radius_edges mean edge lengths */
     double radius_edges;
     double flatness; /* curvatures below flatness/radius count as flat */
+    int levels; /* 1 to 3 neighbourhoods, each twice as large: where noise drowns one, the next is asked */
 } pc_curvature_options;
 #define PC_CURVATURE_DEFAULTS                                                                                \
-    { 0, 3.0, 0.03 }
+    { 0, 3.0, 0.03, 2 }
 
 typedef struct pc_curvature {
     pc_index vertex_count;
-    double radius;    /* the neighbourhood's radius, model units */
+    double radius;    /* of the smallest neighbourhood, model units */
     double mean_edge; /* mean edge length of the mesh, model units */
     double *normal;   /* 3 per vertex: unit, averaged over the neighbourhood */
     double

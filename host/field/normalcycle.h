@@ -5,14 +5,24 @@
 #include "curvature.h"
 #include "ring.h"
 
+/* One size of the neighbourhood. */
+typedef struct pc_normalcycle_level {
+    int passes;   /* of averaging, from the start */
+    double flat;  /* curvatures below count as flat, 1/length */
+    double noise; /* coherence of pure noise after so many passes */
+} pc_normalcycle_level;
+
+enum { PC_NORMALCYCLE_LEVELS = 3 };
+/* A larger neighbourhood is taken at a vertex where its weight is so many times that of the smaller. */
+#define PC_NORMALCYCLE_PREFER 1.5
+
 typedef struct pc_normalcycle {
     const pc_mesh *mesh;
     const pc_adjacency *adjacency;
     const pc_ring *ring;
-    double step;  /* edges longer than this are walked less often, model units */
-    int passes;   /* of averaging */
-    double flat;  /* curvatures below count as flat, 1/length */
-    double noise; /* coherence of pure noise after so many passes */
+    double step; /* edges longer than this are walked less often, model units */
+    int level_count;
+    pc_normalcycle_level level[PC_NORMALCYCLE_LEVELS]; /* smallest first */
 } pc_normalcycle;
 
 /* Both fill the arrays of `curvature`, which are there. The host computes in double; the device in float,

@@ -67,14 +67,15 @@ static void free_buffers(buffers *b, pc_context *ctx) {
         pc_buffer_free(all[k], ctx);
 }
 
-static pc_status run_averages(buffers *b, pc_context *ctx, pc_device *device, const pc_normalcycle *work) {
+static pc_status run_averages(buffers *b, pc_context *ctx, pc_device *device, const pc_normalcycle *work,
+                              int passes) {
     pc_status status = PC_OK;
     pc_kernel *average = NULL;
     pc_index n = work->mesh->vertex_count;
     size_t items = ((size_t)n + b->chunk - 1) / b->chunk;
     double entries = work->ring->start[n];
     PC_TRY(pc_kernel_get(&average, ctx, device, pc_kernel_curvature, "curvature_average"));
-    for (int pass = 0; pass < work->passes; pass++) {
+    for (int pass = 0; pass < passes; pass++) {
         pc_buffer *in = b->lump;
         PC_TRY(pc_check_interrupt(ctx));
         PC_TRY(pc_kernel_run(ctx, average, items, 0, n * (2.0 * LUMP + 7) * 4 + entries * 4,
@@ -88,15 +89,31 @@ done:
     return status;
 }
 
+static pc_status run_level(buffers *b, pc_context *ctx, pc_device *device, const pc_normalcycle *work,
+                           int k) {
+    pc_status status = PC_OK;
+    pc_kernel *principal = NULL;
+    pc_index n = work->mesh->vertex_count;
+    const pc_normalcycle_level *level = work->level + k;
+    float prefer = k > 0 ? (float)PC_NORMALCYCLE_PREFER : 0.0f;
+    PC_TRY(run_averages(b, ctx, device, work, level->passes - (k > 0 ? level[-1].passes : 0)));
+    PC_TRY(pc_kernel_get(&principal, ctx, device, pc_kernel_curvature, "curvature_principal"));
+    PC_TRY(
+        pc_kernel_run(ctx, principal, ((size_t)n + b->chunk - 1) / b->chunk, 0, n * (LUMP + RESULT) * 4.0,
+                      PC_ARGS(PC_BUF(b->result), PC_BUF(b->lump), PC_F32((float)(level->flat * work->step)),
+                              PC_F32((float)level->noise), PC_F32(prefer), PC_U32(b->chunk), PC_U32(n))));
+done:
+    return status;
+}
+
 static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const pc_normalcycle *work) {
     pc_status status = PC_OK;
-    pc_kernel *bend = NULL, *gather = NULL, *principal = NULL;
+    pc_kernel *bend = NULL, *gather = NULL;
     pc_index n = work->mesh->vertex_count, edges = work->adjacency->edge_count;
     double halves = 3.0 * work->mesh->face_count, entries = work->ring->start[n];
     size_t items = ((size_t)n + b->chunk - 1) / b->chunk;
     PC_TRY(pc_kernel_get(&bend, ctx, device, pc_kernel_curvature, "curvature_bend"));
     PC_TRY(pc_kernel_get(&gather, ctx, device, pc_kernel_curvature, "curvature_gather"));
-    PC_TRY(pc_kernel_get(&principal, ctx, device, pc_kernel_curvature, "curvature_principal"));
     PC_TRY(pc_kernel_run(ctx, bend, ((size_t)edges + b->chunk - 1) / b->chunk, 0,
                          edges * 8.0 + halves * 8 + n * 24.0,
                          PC_ARGS(PC_BUF(b->bend), PC_BUF(b->edge_half), PC_BUF(b->twin), PC_BUF(b->triangle),
@@ -104,11 +121,9 @@ static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const pc_no
     PC_TRY(pc_kernel_run(ctx, gather, items, 0, n * (LUMP + 7) * 4.0 + entries * 8 + halves * 8 + edges * 4.0,
                          PC_ARGS(PC_BUF(b->lump), PC_BUF(b->bend), PC_BUF(b->edge), PC_BUF(b->triangle),
                                  PC_BUF(b->high), PC_BUF(b->low), PC_BUF(b->start), PC_BUF(b->vertex),
-                                 PC_BUF(b->half), PC_U32(b->chunk), PC_U32(n))));
-    PC_TRY(run_averages(b, ctx, device, work));
-    PC_TRY(pc_kernel_run(ctx, principal, items, 0, n * (LUMP + RESULT) * 4.0,
-                         PC_ARGS(PC_BUF(b->result), PC_BUF(b->lump), PC_F32((float)(work->flat * work->step)),
-                                 PC_F32((float)work->noise), PC_U32(b->chunk), PC_U32(n))));
+                                 PC_BUF(b->half), PC_F32(1.0f), PC_U32(b->chunk), PC_U32(n))));
+    for (int k = 0; k < work->level_count; k++)
+        PC_TRY(run_level(b, ctx, device, work, k));
 done:
     return status;
 }

@@ -1,4 +1,5 @@
 #include "smooth.h"
+#include "assembly.h"
 #include "memory.h"
 #include "relief.h"
 #include "vec3.h"
@@ -19,22 +20,24 @@ typedef struct smoothing {
     pc_index iterations;
 } smoothing;
 
-static void assemble_row(smoothing *s, pc_index v) {
-    const pc_ring *ring = &s->ring;
-    double rho = s->options->smoothness, sum = 0;
-    for (pc_index k = ring->start[v]; k < ring->start[v + 1]; k++) {
-        pc_index h = ring->half[k];
-        double turn = s->options->symmetry * s->transport[h];
-        double w = rho * s->connection->weight[s->adjacency->edge[h]];
-        s->system.value[2 * (size_t)k] = -w * cos(turn);
-        s->system.value[2 * (size_t)k + 1] = (pc_tail(s->mesh, h) == v ? w : -w) * sin(turn);
-        sum += w;
-    }
+/* The diagonal is the sum of the sizes of the entries as they came out, so that rounding cannot make the
+ * system indefinite. */
+static void sum_row(smoothing *s, pc_index v) {
+    double sum = 0;
+    for (pc_index k = s->ring.start[v]; k < s->ring.start[v + 1]; k++)
+        sum += hypot(s->system.value[2 * (size_t)k], s->system.value[2 * (size_t)k + 1]);
     s->stiff[v] = sum;
 }
 
-static pc_status assemble(smoothing *s) {
+static pc_status assemble(smoothing *s, pc_device *device) {
     pc_status status = PC_OK;
+    pc_assembly work = {s->mesh,
+                        s->adjacency,
+                        &s->ring,
+                        s->connection->weight,
+                        s->transport,
+                        s->options->symmetry,
+                        s->options->smoothness};
     size_t n = s->mesh->vertex_count, entries;
     PC_TRY(pc_ring_make(&s->ring, s->ctx, s->mesh, s->adjacency));
     entries = s->ring.start[n];
@@ -46,9 +49,13 @@ static pc_status assemble(smoothing *s) {
         s->system.start[v] = s->ring.start[v];
     for (size_t k = 0; k < entries; k++)
         s->system.column[k] = s->ring.vertex[k];
+    if (pc_device_is_host(device))
+        pc_assembly_ref(s->system.value, &work);
+    else
+        PC_TRY(pc_assembly_launch(s->system.value, s->ctx, device, &work));
 #pragma omp parallel for schedule(static)
     for (pc_index v = 0; v < s->mesh->vertex_count; v++)
-        assemble_row(s, v);
+        sum_row(s, v);
 done:
     return status;
 }
@@ -118,7 +125,7 @@ pc_status pc_smooth_field(double *angle, pc_context *ctx, pc_device *device, con
     PC_TRY(pc_new(&s.transport, ctx, 3 * (size_t)mesh->face_count));
     PC_TRY(pc_relief_smooth(s.transport, ctx, device, mesh, adjacency, connection, options->relief,
                             &options->solver));
-    PC_TRY(assemble(&s));
+    PC_TRY(assemble(&s, device));
     whole = sum_area(&s);
     start_field(&s);
     PC_TRY(solve_step(&s, device, (rho + 1e-3) * 1e-2 / whole));

@@ -85,7 +85,8 @@ static pc_vec3 part_centre(const pc_vec3 p[3], int k, int i) {
     int row = 0;
     while (i >= 2 * (k - row) - 1)
         i -= 2 * (k - row) - 1, row++;
-    double third = i % 2 ? 2.0 / 3 : 1.0 / 3, u = (i / 2 + third) / k, v = (row + third) / k;
+    int column = i / 2;
+    double third = i % 2 ? 2.0 / 3 : 1.0 / 3, u = (column + third) / k, v = (row + third) / k;
     return pc_add(pc_scale(1 - u - v, p[0]), pc_add(pc_scale(u, p[1]), pc_scale(v, p[2])));
 }
 

@@ -346,8 +346,7 @@ static void part_coincident(pc_mesh *mesh, pc_index old, const pc_index *parent)
         found = false;
         for (pc_index h = 0; h < 3 * mesh->face_count; h++) {
             pc_index a = pc_tail(mesh, h), b = pc_head(mesh, h), v = a > b ? a : b;
-            if (v < old || memcmp(mesh->position + 3 * (size_t)a, mesh->position + 3 * (size_t)b,
-                                  3 * sizeof(double)) != 0)
+            if (v < old || pc_distance(pc_vec3_at(mesh->position, a), pc_vec3_at(mesh->position, b)) > 0)
                 continue;
             pc_vec3 p = pc_vec3_at(mesh->position, parent[2 * (size_t)(v - old)]);
             pc_vec3 q = pc_vec3_at(mesh->position, parent[2 * (size_t)(v - old) + 1]);

@@ -34,7 +34,7 @@ typedef struct pc_param_options {
     uint64_t seed;
     double cancel_reach; /* dislocations this many periods apart are cancelled, see pc_dislocations_cancel; 0: PGP's own */
 } pc_param_options;
-#define PC_PARAM_DEFAULTS {0.0, 1, 6.0}
+#define PC_PARAM_DEFAULTS {0.0, 1, 8.0}
 
 typedef struct pc_param_stats {
     double energy; /* of the phases, see pc_pgp_stats */

@@ -5,7 +5,7 @@
 #include "transition.h"
 #include <math.h>
 
-enum { ROUNDS = 6, SWEEPS = 12 };
+enum { ROUNDS = 8, SWEEPS = 40 };
 
 typedef struct patch {
     const pc_mesh *mesh;
@@ -108,7 +108,11 @@ pc_status pc_untangle(pc_param *param, pc_context *ctx, const pc_mesh *mesh, con
     PC_TRY(pc_new(&p.active, ctx, mesh->vertex_count));
     PC_TRY(pc_new(&list, ctx, mesh->vertex_count));
     for (int round = 0; round < ROUNDS; round++) {
-        pc_index count = activate(&p, list, round / 2);
+        pc_index count = activate(&p, list, round);
+        pc_index tangled = 0, cones = 0;
+        for (pc_index f = 0; f < mesh->face_count; f++)
+            if (is_tangled(&p, f)) tangled++, cones += param->singular[f] == PC_FIELD_SINGULARITY;
+        pc_log(ctx, PC_LOG_DEBUG, "untangle round %d: %u faces tangled, %u of them cones, %u vertices", round, tangled, cones, count);
         if (count == 0) break;
         for (int sweep = 0; sweep < SWEEPS; sweep++)
             for (pc_index i = 0; i < count; i++)

@@ -33,17 +33,33 @@ static void bounds(double low[3], double high[3], const double *position, size_t
         if (!(low[k] <= high[k])) low[k] = high[k] = 0;
 }
 
+/* How much more of the points lies on the model's floor than at its ceiling, in percent, were `axis` up. */
+static double footing(const double *position, size_t count, int axis, double low, double high) {
+    double slab = 0.004 * (high - low);
+    size_t floor_count = 0, ceiling_count = 0;
+    for (size_t i = 0; i < count; i++) {
+        double p = position[3 * i + (size_t)axis];
+        floor_count += p < low + slab;
+        ceiling_count += p > high - slab;
+    }
+    return count ? 100 * ((double)floor_count - (double)ceiling_count) / (double)count : 0;
+}
+
+/* Scans come with y or z up. A thing stands on what is flat or, failing that, as tall as it can; y in doubt.
+ */
+static pc_up guess_up(const double *position, size_t count, const double low[3], const double high[3]) {
+    double y = footing(position, count, 1, low[1], high[1]), z = footing(position, count, 2, low[2], high[2]);
+    if (z > 0.3 + 2 * fmax(y, 0)) return PC_UP_Z;
+    if (y > 0.3 + 2 * fmax(z, 0)) return PC_UP_Y;
+    return high[2] - low[2] > 1.25 * fmax(high[1] - low[1], high[0] - low[0]) ? PC_UP_Z : PC_UP_Y;
+}
+
 void pc_camera_guess(pc_vec3 *up, pc_vec3 *front, const double *position, size_t count, pc_up wish) {
     double low[3], high[3], extent[3];
     bounds(low, high, position, count);
     for (int k = 0; k < 3; k++)
         extent[k] = high[k] - low[k];
-    if (wish == PC_UP_AUTO) {
-        /* Scans come with y or z up. What stands, stands tall: z only where it is clearly the longer one. */
-        wish = extent[2] > 1.25 * fmax(extent[1], extent[0]) ? PC_UP_Z : PC_UP_Y;
-        /* A thing that lies flat lies on the ground. */
-        if (extent[2] < 0.5 * extent[1] && extent[2] < 0.5 * extent[0]) wish = PC_UP_Y;
-    }
+    if (wish == PC_UP_AUTO) wish = guess_up(position, count, low, high);
     const pc_vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
     if (wish == PC_UP_X)
         *up = x, *front = z;
@@ -61,13 +77,13 @@ void pc_camera_make(pc_camera *camera, pc_view view, pc_vec3 up, pc_vec3 front, 
     double low[3], high[3];
     bounds(low, high, position, count);
     pc_vec3 a = {low[0], low[1], low[2]}, b = {high[0], high[1], high[2]};
-    pc_vec3 side = pc_cross(up, front), toward = front, top = up;
+    pc_vec3 side = pc_cross(up, front), top = up;
     /* right, up and front share of the direction to the viewer */
     static const double share[][3] = {{0.55, 0.42, 0.9}, {0.55, 0.42, 0.9}, {-0.55, 0.42, -0.9},
                                       {0, 0, 1},         {0, 0, -1},        {-1, 0, 0},
                                       {1, 0, 0},         {0, 1, 0},         {0, -1, 0}};
     const double *s = share[view];
-    toward = pc_unit(pc_add(pc_add(pc_scale(s[0], side), pc_scale(s[1], up)), pc_scale(s[2], front)));
+    pc_vec3 toward = pc_unit(pc_add(pc_add(pc_scale(s[0], side), pc_scale(s[1], up)), pc_scale(s[2], front)));
     if (view == PC_VIEW_TOP) top = pc_scale(-1, front);
     if (view == PC_VIEW_BOTTOM) top = front;
     *camera = (pc_camera){.centre = pc_scale(0.5, pc_add(a, b)), .back = toward, .scale = 1};

@@ -41,11 +41,12 @@ static void make_offsets(offset table[16][PAIRS], float unit) {
     for (int pattern = 0; pattern < 16; pattern++)
         for (int k = 0; k < PAIRS; k++) {
             offset *o = &table[pattern][k];
-            float turn = (float)((pattern * 7) & 15) / 16.0F, r = pc_greater(1, radius[k / 3] * unit);
-            float angle = (float)PC_PI * ((float)(k % 3) + turn) / 3.0F + 0.4F * (float)(k / 3);
+            int ring = k / 3, spoke = k % 3;
+            float turn = (float)((pattern * 7) & 15) / 16.0F, r = pc_greater(1, radius[ring] * unit);
+            float angle = (float)PC_PI * ((float)spoke + turn) / 3.0F + 0.4F * (float)ring;
             o->dx = (int)lrintf(r * cosf(angle)), o->dy = (int)lrintf(r * sinf(angle));
             o->length = sqrtf((float)(o->dx * o->dx + o->dy * o->dy));
-            o->weight = weight[k / 3] / 3.0F;
+            o->weight = weight[ring] / 3.0F;
         }
 }
 

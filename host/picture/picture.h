@@ -44,4 +44,8 @@ pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture 
 /* How long a screen distance of `pixels` is in model units around the centre of the view. */
 double pc_picture_pixel_length(const pc_picture *picture, double pixels);
 
+/* The thickness that lines, balls and letters are measured in, in pixels: 1 at 1600 x 1200, never much less.
+ */
+double pc_picture_unit(const pc_picture *picture);
+
 #endif

@@ -36,6 +36,13 @@ static double face_area(const pc_mesh *mesh, size_t f) {
     return isfinite(area) ? area : 0;
 }
 
+double pc_scatter_area(const pc_mesh *mesh) {
+    double sum = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+        sum += face_area(mesh, f);
+    return sum;
+}
+
 /* The face in which the running sum of areas passes `at`. */
 static size_t find_face(const double *sum, size_t count, double at) {
     size_t low = 0, high = count - 1;

@@ -14,6 +14,8 @@ typedef struct pc_scatter {
  * without one. The same points for any number of threads. At most about 200,000 points: `spacing` is raised
  * where the surface would take more. */
 pc_status pc_scatter_make(pc_scatter *scatter, pc_context *ctx, const pc_mesh *mesh, double spacing);
+/* The surface's area, faces that are not finite left out. */
+double pc_scatter_area(const pc_mesh *mesh);
 void pc_scatter_free(pc_scatter *scatter, pc_context *ctx);
 
 #endif

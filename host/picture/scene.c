@@ -5,6 +5,7 @@
 #include "surface.h"
 #include "vec3.h"
 
+enum { GLYPHS = 4500 };
 static const pc_color ink = 0x17324d, plus = 0xd62f3c, minus = 0x2166c4;
 
 pc_status pc_scene_scan(pc_picture *picture, pc_context *ctx, const pc_mesh *mesh) {
@@ -71,7 +72,10 @@ static pc_status draw_glyphs(pc_picture *picture, pc_context *ctx, const pc_mesh
     pc_status status;
     pc_scatter scatter = {0};
     pc_stroke *stroke = NULL;
-    double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0), spacing = 19 * pixel;
+    double pixel = pc_picture_pixel_length(picture, pc_picture_unit(picture));
+    /* about GLYPHS of them, so that small features get some too, but never a mere tangle */
+    double spacing = fmin(19 * pixel, fmax(10 * pixel, sqrt(pc_scatter_area(mesh) / GLYPHS)));
+    float width = (float)fmin(1.5, 0.085 * spacing / pixel) * (float)pc_picture_unit(picture);
     PC_TRY(pc_scatter_make(&scatter, ctx, mesh, spacing));
     PC_TRY(pc_new(&stroke, ctx, 3 * scatter.count));
     size_t lines = 0;
@@ -80,8 +84,7 @@ static pc_status draw_glyphs(pc_picture *picture, pc_context *ctx, const pc_mesh
         pc_vec3 n, x = direction_at(&n, field, mesh->triangle + 3 * (size_t)scatter.face[i], w);
         if (!isfinite(x.x + x.y + x.z)) continue;
         pc_vec3 p = face_point(mesh, scatter.face[i], w);
-        lines += put_glyph(stroke + lines, p, x, n, field->symmetry, 0.46 * spacing,
-                           1.5F * (float)picture->height / 1200);
+        lines += put_glyph(stroke + lines, p, x, n, field->symmetry, 0.46 * spacing, width);
     }
     PC_TRY(pc_stroke_draw(picture, ctx, stroke, lines, 0.3 * spacing));
 done:
@@ -99,10 +102,10 @@ static pc_status draw_singularities(pc_picture *picture, pc_context *ctx, const 
     pc_status status = pc_new(&ball, ctx, count);
     if (status != PC_OK) return status;
     const float third[3] = {1 / 3.0F, 1 / 3.0F, 1 / 3.0F};
-    float unit = (float)pc_picture_pixel_length(picture, picture->height / 1200.0);
+    float unit = (float)pc_picture_pixel_length(picture, pc_picture_unit(picture));
     count = 0;
     for (size_t f = 0; f < field->face_count; f++) {
-        int index = field->index[f];
+        const int8_t index = field->index[f];
         if (index == 0) continue;
         pc_ball *b = &ball[count++];
         pc_vec3_put(b->centre, 0, face_point(mesh, f, third));

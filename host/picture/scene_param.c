@@ -86,7 +86,7 @@ static int level_line(double from[3], double to[3], const pc_mesh *mesh, size_t 
 }
 
 static pc_status grow(line_list *list, pc_context *ctx, size_t more) {
-    if (list->count + more <= list->room) return PC_OK;
+    if (list->stroke && list->count + more <= list->room) return PC_OK;
     size_t room = 2 * (list->count + more);
     pc_status status = pc_resize(&list->stroke, ctx, room);
     if (status == PC_OK) list->room = room;
@@ -125,10 +125,10 @@ static pc_status draw_isolines(pc_picture *picture, pc_context *ctx, const pc_me
                                const pc_param *param) {
     pc_status status = PC_OK;
     line_list list = {0};
-    double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0);
+    double pixel = pc_picture_pixel_length(picture, pc_picture_unit(picture));
     double period = param->period_length / pixel;
     int64_t step = period > 12 ? PC_PERIOD / 2 : PC_PERIOD;
-    float width = (float)fmin(1.9, fmax(0.6, 0.13 * period)) * (float)picture->height / 1200;
+    float width = (float)fmin(1.9, fmax(0.6, 0.13 * period)) * (float)pc_picture_unit(picture);
     for (size_t f = 0; f < mesh->face_count; f++) {
         if (param->singular[f] != PC_REGULAR && param->singular[f] != PC_FLIPPED) continue;
         pc_point2 corner[3];
@@ -181,7 +181,7 @@ static pc_status draw_arcs(pc_picture *picture, pc_context *ctx, const pc_layout
     for (size_t a = 0; a < layout->arc_count; a++)
         for (size_t k = layout->arc_start[a]; k + 1 < layout->arc_start[a + 1]; k++) {
             pc_stroke *s = &list.stroke[list.count++];
-            *s = (pc_stroke){.color = 0x1e3346, .width = 1.4F * (float)picture->height / 1200};
+            *s = (pc_stroke){.color = 0x1e3346, .width = 1.4F * (float)pc_picture_unit(picture)};
             pc_vec3_put(s->from, 0, pc_vec3_at(layout->mesh.position, layout->arc_vertex[k]));
             pc_vec3_put(s->to, 0, pc_vec3_at(layout->mesh.position, layout->arc_vertex[k + 1]));
         }
@@ -196,7 +196,7 @@ pc_status pc_scene_layout(pc_picture *picture, pc_context *ctx, const pc_layout 
     pc_color *color = NULL;
     pc_ball *ball = NULL;
     const pc_mesh *mesh = &layout->mesh;
-    double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0);
+    double pixel = pc_picture_pixel_length(picture, pc_picture_unit(picture));
     pc_surface s = pc_surface_of(mesh->position, mesh->vertex_count, mesh->triangle, mesh->face_count);
     PC_TRY(pc_new(&color, ctx, mesh->face_count));
     for (size_t f = 0; f < mesh->face_count; f++)
@@ -217,6 +217,6 @@ done:
 }
 
 pc_status pc_scene_caption(pc_picture *picture, pc_context *ctx, const char *text) {
-    double size = 13.0 * picture->height / 1200;
+    double size = 13 * pc_picture_unit(picture);
     return pc_lettering_draw(picture, ctx, 1.6 * size, picture->height - 1.6 * size, size, 0x2b3640, text);
 }

@@ -177,7 +177,7 @@ static pc_status draw_irregular(pc_picture *picture, pc_context *ctx, const pc_p
     for (size_t c = 0; c < corners; c++)
         count += q->corner_flat[c];
     PC_TRY(pc_new(&ball, ctx, count));
-    double pixel = pc_picture_pixel_length(picture, picture->height / 1200.0);
+    double pixel = pc_picture_pixel_length(picture, pc_picture_unit(picture));
     float radius = (float)fmin(6 * pixel, fmax(2 * pixel, 0.2 * edge));
     count = 0;
     for (size_t v = 0; v < q->vertex_count; v++)
@@ -212,8 +212,8 @@ pc_status pc_scene_quads(pc_picture *picture, pc_context *ctx, const pc_polymesh
     s.face_color = cut.color, s.face_owner = cut.owner;
     s.flat = 0.6F, s.cavity = 0.6F;
     PC_TRY(pc_surface_draw(picture, ctx, &s));
-    double edge = mean_edge(quads), pixel = pc_picture_pixel_length(picture, picture->height / 1200.0);
-    float width = (float)(fmin(1.5, fmax(0.5, 0.12 * edge / pixel)) * picture->height / 1200.0);
+    double edge = mean_edge(quads), pixel = pc_picture_pixel_length(picture, pc_picture_unit(picture));
+    float width = (float)(fmin(1.5, fmax(0.25, 0.12 * edge / pixel)) * pc_picture_unit(picture));
     PC_TRY(draw_edges(picture, ctx, quads, 0.25 * pixel, width));
     PC_TRY(draw_irregular(picture, ctx, quads, edge));
 done:

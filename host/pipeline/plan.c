@@ -2,10 +2,11 @@
 #include "geometry.h"
 #include <math.h>
 
-/* Measured on the scans of the tests (docs/pipeline.md): peak memory per triangle, and per cell of the
- * layout; files per triangle and per quad. */
-static const double memory_per_triangle = 900, memory_per_quad = 1200;
-static const double disk_per_triangle = 700, disk_per_quad = 900;
+/* Measured on the scans of the tests: the program itself with PoCL, and bytes per triangle and quad. */
+static const double memory_at_least = 1e8, memory_per_triangle = 900, memory_per_quad = 1200;
+static const double disk_at_least = 5e6, disk_per_triangle = 700, disk_per_quad = 900;
+/* Long edges are split until a quad has about this many triangles. */
+static const double triangles_per_quad = 25;
 
 double pc_plan_edge(const pc_convert_options *options, double area, double mean_edge) {
     if (options->quads) return sqrt(area / (double)options->quads);
@@ -23,8 +24,9 @@ pc_status pc_plan_make(pc_convert_plan *plan, pc_run *run) {
     plan->mean_edge = pc_geometry_mean_edge(scan, &adjacency);
     plan->edge_length = pc_plan_edge(run->options, plan->area, plan->mean_edge);
     plan->quads = plan->area / (plan->edge_length * plan->edge_length);
-    plan->memory_bytes = memory_per_triangle * (double)plan->faces + memory_per_quad * plan->quads;
-    plan->disk_bytes = disk_per_triangle * (double)plan->faces + disk_per_quad * plan->quads;
+    const double triangles = fmax((double)plan->faces, triangles_per_quad * plan->quads);
+    plan->memory_bytes = memory_at_least + memory_per_triangle * triangles + memory_per_quad * plan->quads;
+    plan->disk_bytes = disk_at_least + disk_per_triangle * triangles + disk_per_quad * plan->quads;
     pc_adjacency_free(&adjacency, run->ctx);
     return PC_OK;
 }

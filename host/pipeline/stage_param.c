@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* The count follows the density but for a noise of a few cells; more tries than this gain nothing. */
-enum { MOST_TRIES = 5 };
+/* The count follows the density but for jumps of a row of cells; more tries than this gain nothing. */
+enum { MOST_TRIES = 6 };
 static const double close_enough = 0.02; /* the promise is 5 % */
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
@@ -38,9 +38,20 @@ static pc_status count_quads(pc_run *run, double *count) {
     return status;
 }
 
+/* The period to try next: the count goes with its inverse square, but never leave what is bracketed. */
+static double next_period(const attempt *now, double wanted, double *too_short, double *too_long) {
+    if (now->count > wanted)
+        *too_short = fmax(*too_short, now->period);
+    else
+        *too_long = fmin(*too_long, now->period);
+    double next = now->period * sqrt(now->count / wanted);
+    return next > *too_short && next < *too_long ? next : sqrt(*too_short * *too_long);
+}
+
 /* Solves again with a corrected density until the count fits, and keeps the best try. */
 static pc_status meet_count(pc_run *run, pc_param_stats *stats, int *tries) {
     const double wanted = (double)run->options->quads;
+    double too_short = 0, too_long = INFINITY;
     attempt best = {.miss = INFINITY}, now = {.period = run->product.mesh.period};
     pc_status status = PC_OK;
     for (*tries = 1;; ++*tries) {
@@ -51,7 +62,7 @@ static pc_status meet_count(pc_run *run, pc_param_stats *stats, int *tries) {
                wanted);
         if (now.miss < best.miss) best = now;
         if (now.miss <= close_enough || *tries == MOST_TRIES) break;
-        now.period *= sqrt(now.count / wanted);
+        now.period = next_period(&now, wanted, &too_short, &too_long);
     }
     if (best.period != now.period) {
         PC_TRY(parameterize(run, best.period, stats));

@@ -18,6 +18,14 @@ static void note(pc_run *run, const pc_repair_report *report) {
                    report->changed ? ", repaired" : "");
 }
 
+/* Repair knows no files; the user may have many. */
+static void name_file(pc_run *run) {
+    char message[1024];
+    (void)snprintf(message, sizeof message, "%s", pc_context_message(run->ctx));
+    pc_context_clear_message(run->ctx);
+    (void)pc_fail(run->ctx, PC_E_MESH, "%s: %s", run->scan_path, message);
+}
+
 static pc_status make(pc_run *run, pc_json *facts) {
     const pc_repair_options options = {.strict = run->options->strict,
                                        .min_component = run->options->min_component};
@@ -28,7 +36,9 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_status status = PC_OK;
     PC_TRY(pc_scan_read_bytes(&raw, &info, run->ctx, run->scan_path, run->input.data, run->input.size));
     pc_file_close(&run->input, run->ctx);
-    PC_TRY(pc_repair(&scan->mesh, &report, run->ctx, &raw, &options));
+    status = pc_repair(&scan->mesh, &report, run->ctx, &raw, &options);
+    if (status == PC_E_MESH) name_file(run);
+    PC_TRY(status);
     pc_facts_put_file(facts, &info);
     pc_facts_put_repair(facts, "repair", &report);
     note(run, &report);

@@ -18,34 +18,86 @@ PC_ALWAYS_INLINE double square_of(pc_block_form form, const pc_blockmat *a, size
     return pc_blockval_square(form, &b);
 }
 
-static double entry_square(const pc_blockmat *a, size_t e) {
-    switch (a->form) {
-    case PC_FORM_SCALAR:
-        return square_of(PC_FORM_SCALAR, a, e);
-    case PC_FORM_COMPLEX:
-        return square_of(PC_FORM_COMPLEX, a, e);
-    case PC_FORM_TURNED:
-        return square_of(PC_FORM_TURNED, a, e);
-    case PC_FORM_DENSE:
-        break;
+/* Cosine between A_ik A_kj and -A_ij, in units of |A_ij|; 0 where the quarter turns disagree (a singularity).
+ */
+PC_ALWAYS_INLINE double way_round(pc_block_form form, const pc_blockval *ik, const pc_blockval *kj,
+                                  const pc_blockval *ij) {
+    double moved[4] = {kj->v[0], kj->v[1], kj->v[2], kj->v[3]};
+    double sum = 0;
+    double size = sqrt(pc_blockval_square(form, ik) * pc_blockval_square(form, kj));
+    if (form == PC_FORM_DENSE) {
+        for (int r = 0; r < 16; r++) {
+            const double *row = ik->v + r / 4 * 4;
+            const double *column = kj->v + r % 4;
+            sum -= 0.25 * ij->v[r] *
+                   (row[0] * column[0] + row[1] * column[4] + row[2] * column[8] + row[3] * column[12]);
+        }
+        return size > 0 ? sum / size : 0;
     }
-    return square_of(PC_FORM_DENSE, a, e);
+    if (form == PC_FORM_TURNED) {
+        if (((ik->turn + kj->turn - ij->turn) & 3) != 0) return 0;
+        pc_turn_diagonal(moved, ik->turn, kj->v);
+    }
+    for (int h = 0; h < pc_form_size(form); h += 2) {
+        double re = ik->v[h] * moved[h] - ik->v[h + 1] * moved[h + 1];
+        double im = ik->v[h] * moved[h + 1] + ik->v[h + 1] * moved[h];
+        sum -= re * ij->v[h] + im * ij->v[h + 1];
+    }
+    return size > 0 ? sum / size : 0;
 }
 
-/* Marks strong entries, and rows that take part. */
-static void find_strong(float *size, uint8_t *eligible, const pc_blockmat *a, double threshold) {
-#pragma omp parallel for schedule(static)
-    for (pc_index i = 0; i < a->row_count; i++) {
-        double d = mean_diagonal(a, i);
-        double total = 0;
-        for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
-            double square = entry_square(a, e);
-            double of_j = mean_diagonal(a, a->column[e]);
-            total += sqrt(square);
-            size[e] = square > threshold * threshold * d * of_j ? (float)sqrt(square) : 0;
+/* Whether the coupling e of row i repels: against the ways round by common neighbours it points backwards. So
+ * do the negative weights of obtuse triangles; their rotation is right, their sign says nothing about frames.
+ * Needs columns in ascending order. */
+PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index i, size_t e, double square) {
+    pc_blockval ij;
+    pc_blockval_load(form, &ij, a, e);
+    if (form == PC_FORM_SCALAR) return ij.v[0] > 0;
+    const pc_index j = a->column[e];
+    double score = 0;
+    size_t f = a->start[i];
+    size_t g = a->start[j];
+    while (f < a->start[i + 1] && g < a->start[j + 1]) {
+        if (a->column[f] < a->column[g]) {
+            f++;
+        } else if (a->column[f] > a->column[g]) {
+            g++;
+        } else {
+            pc_blockval ik;
+            pc_blockval jk;
+            pc_blockval kj;
+            pc_blockval_load(form, &ik, a, f);
+            pc_blockval_load(form, &jk, a, g);
+            pc_blockval_transpose(form, &kj, &jk);
+            double weight = fmin(pc_blockval_square(form, &ik), pc_blockval_square(form, &jk));
+            /* In a triangle that closes backwards the smallest coupling is the one to blame. */
+            if (weight >= square) score += sqrt(weight) * way_round(form, &ik, &kj, &ij);
+            f++;
+            g++;
         }
-        eligible[i] = total > ruled_by_diagonal * d;
     }
+    return score < 0;
+}
+
+PC_ALWAYS_INLINE void find_strong_row(pc_block_form form, float *size, uint8_t *eligible,
+                                      const pc_blockmat *a, double threshold, pc_index i) {
+    double d = mean_diagonal(a, i);
+    double total = 0;
+    for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
+        double square = square_of(form, a, e);
+        double of_j = mean_diagonal(a, a->column[e]);
+        bool is_strong = square > threshold * threshold * d * of_j && !repels(form, a, i, e, square);
+        total += sqrt(square);
+        size[e] = is_strong ? (float)sqrt(square) : 0;
+    }
+    eligible[i] = total > ruled_by_diagonal * d;
+}
+
+/* The sizes of strong couplings (0 for the others), and the rows that take part. */
+static void find_strong(float *size, uint8_t *eligible, const pc_blockmat *a, double threshold) {
+#define ROW(form, i) find_strong_row(form, size, eligible, a, threshold, i)
+    PC_EACH_ROW(a->form, a->row_count, ROW)
+#undef ROW
 }
 
 static void take_row(pc_aggregates *g, pc_index row, pc_index group, pc_index via) {
@@ -258,33 +310,28 @@ PC_ALWAYS_INLINE void relax_row(pc_block_form form, const frames *f, const pc_bl
     put_frame(form, f, i, sum, form == PC_FORM_TURNED ? f->turn[i] : 0);
 }
 
+/* Frames of all rows of a group. */
 PC_ALWAYS_INLINE void transport(pc_block_form form, const frames *f, const pc_blockmat *a,
-                                const pc_aggregates *g) {
+                                const pc_aggregates *g, pc_index group) {
     enum { SWEEPS = 2 };
-#pragma omp parallel for schedule(static)
-    for (pc_index group = 0; group < g->count; group++) {
-        const pc_index *member = g->member + g->start[group];
-        pc_index size = g->start[group + 1] - g->start[group];
-        pc_index root = PC_NONE;
-        for (pc_index k = 0; k < size; k++) {
-            if (g->via[member[k]] == member[k]) root = member[k];
-        }
-        identity_frame(form, f, root);
-        if (form == PC_FORM_SCALAR) {
-            for (pc_index k = 0; k < size; k++)
-                identity_frame(form, f, member[k]);
-            continue;
-        }
-        for (pc_index k = 0; k < size; k++) {
-            if (member[k] != root && g->via[member[k]] == root) carry(form, f, a, member[k], root);
-        }
-        for (pc_index k = 0; k < size; k++) {
-            if (g->via[member[k]] != root) carry(form, f, a, member[k], g->via[member[k]]);
-        }
-        for (int sweep = 0; sweep < SWEEPS; sweep++) {
-            for (pc_index k = 0; k < size; k++)
-                relax_row(form, f, a, g, member[k]);
-        }
+    const pc_index *member = g->member + g->start[group];
+    pc_index size = g->start[group + 1] - g->start[group];
+    pc_index root = PC_NONE;
+    for (pc_index k = 0; k < size; k++) {
+        if (g->via[member[k]] == member[k]) root = member[k];
+        if (form == PC_FORM_SCALAR) identity_frame(form, f, member[k]);
+    }
+    if (form == PC_FORM_SCALAR) return;
+    identity_frame(form, f, root);
+    for (pc_index k = 0; k < size; k++) {
+        if (member[k] != root && g->via[member[k]] == root) carry(form, f, a, member[k], root);
+    }
+    for (pc_index k = 0; k < size; k++) {
+        if (g->via[member[k]] != root) carry(form, f, a, member[k], g->via[member[k]]);
+    }
+    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+        for (pc_index k = 0; k < size; k++)
+            relax_row(form, f, a, g, member[k]);
     }
 }
 
@@ -297,20 +344,9 @@ pc_status pc_aggregates_transport(pc_blockmat *tentative, pc_context *ctx, const
     *tentative = (pc_blockmat){0};
     PC_TRY(pc_new(&f.value, ctx, size * matrix->row_count));
     if (form == PC_FORM_TURNED) PC_TRY(pc_new(&f.turn, ctx, matrix->row_count));
-    switch (form) {
-    case PC_FORM_SCALAR:
-        transport(PC_FORM_SCALAR, &f, matrix, aggregates);
-        break;
-    case PC_FORM_COMPLEX:
-        transport(PC_FORM_COMPLEX, &f, matrix, aggregates);
-        break;
-    case PC_FORM_TURNED:
-        transport(PC_FORM_TURNED, &f, matrix, aggregates);
-        break;
-    case PC_FORM_DENSE:
-        transport(PC_FORM_DENSE, &f, matrix, aggregates);
-        break;
-    }
+#define GROUP(form_of, group) transport(form_of, &f, matrix, aggregates, group)
+    PC_EACH_ROW(form, aggregates->count, GROUP)
+#undef GROUP
     PC_TRY(pc_blockmat_make(tentative, ctx, pc_form_coarse(form), matrix->row_count, aggregates->count,
                             aggregates->start[aggregates->count], false));
     pc_index e = 0;

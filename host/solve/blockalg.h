@@ -4,10 +4,9 @@
 #define PC_BLOCKALG_H
 
 #include "blockmat.h"
+#include "eachrow.h"
 #include <math.h>
 #include <string.h>
-
-#define PC_ALWAYS_INLINE static inline __attribute__((always_inline))
 
 /* A block as it is stored. */
 typedef struct pc_blockval {
@@ -47,6 +46,20 @@ PC_ALWAYS_INLINE void pc_turn_diagonal(double *out, int turn, const double *in) 
     out[1] = turn >= 2 ? -in[first + 1] : in[first + 1];
     out[2] = in[2 - first];
     out[3] = turn == 1 || turn == 2 ? -in[3 - first] : in[3 - first];
+}
+
+/* The transpose of diag(p,q) M^t is M^-t diag(conj p, conj q). */
+PC_ALWAYS_INLINE void pc_blockval_transpose(pc_block_form form, pc_blockval *out, const pc_blockval *in) {
+    double conjugate[4] = {in->v[0], -in->v[1], in->v[2], -in->v[3]};
+    out->turn = (4 - in->turn) & 3;
+    if (form == PC_FORM_DENSE) {
+        for (int k = 0; k < 16; k++)
+            out->v[k] = in->v[k % 4 * 4 + k / 4];
+    } else if (form == PC_FORM_TURNED) {
+        pc_turn_diagonal(out->v, out->turn, conjugate);
+    } else {
+        memcpy(out->v, conjugate, sizeof conjugate);
+    }
 }
 
 /* c += s * a * b; a TURNED: b and c dense. Else all of one form. */

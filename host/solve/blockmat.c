@@ -1,8 +1,7 @@
 #include "blockmat.h"
+#include "eachrow.h"
 #include "memory.h"
 #include <string.h>
-
-#define INLINE static inline __attribute__((always_inline))
 
 pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form form, pc_index rows,
                            pc_index columns, size_t entries, bool square) {
@@ -35,7 +34,8 @@ void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx) {
 }
 
 /* sum += B_e x_column */
-INLINE void add_entry(pc_block_form form, float *sum, const pc_blockmat *a, size_t e, const float *x) {
+PC_ALWAYS_INLINE void add_entry(pc_block_form form, float *sum, const pc_blockmat *a, size_t e,
+                                const float *x) {
     const float *u = x + (size_t)pc_form_width(form) * a->column[e];
     const float *v = a->value + (size_t)pc_form_size(form) * e;
     if (form == PC_FORM_SCALAR) {
@@ -61,7 +61,8 @@ INLINE void add_entry(pc_block_form form, float *sum, const pc_blockmat *a, size
 }
 
 /* y = scale D x with D one number or a dense block */
-INLINE void times_diagonal(pc_block_form form, float *y, const float *diagonal, const float *x, float scale) {
+PC_ALWAYS_INLINE void times_diagonal(pc_block_form form, float *y, const float *diagonal, const float *x,
+                                     float scale) {
     if (form == PC_FORM_DENSE) {
         for (int r = 0; r < 4; r++)
             y[r] = scale * (diagonal[4 * r] * x[0] + diagonal[4 * r + 1] * x[1] + diagonal[4 * r + 2] * x[2] +
@@ -73,7 +74,8 @@ INLINE void times_diagonal(pc_block_form form, float *y, const float *diagonal, 
 }
 
 /* sum = (A x)_i */
-INLINE void row_times(pc_block_form form, float *sum, const pc_blockmat *a, pc_index i, const float *x) {
+PC_ALWAYS_INLINE void row_times(pc_block_form form, float *sum, const pc_blockmat *a, pc_index i,
+                                const float *x) {
     if (a->diagonal)
         times_diagonal(form, sum, a->diagonal + (size_t)pc_form_diagonal(form) * i,
                        x + (size_t)pc_form_width(form) * i, 1);
@@ -83,101 +85,78 @@ INLINE void row_times(pc_block_form form, float *sum, const pc_blockmat *a, pc_i
         add_entry(form, sum, a, e, x);
 }
 
-INLINE void apply(pc_block_form form, float *y, const pc_blockmat *a, const float *x, const float *b,
-                  int mode) {
+/* What becomes of a product: y = sum, y += sum, y = b - sum. */
+typedef enum use { STORE, ADD, SUBTRACT } use;
+
+PC_ALWAYS_INLINE void apply_row(pc_block_form form, float *y, const pc_blockmat *a, const float *x,
+                                const float *b, use use_of, pc_index i) {
     const int w = pc_form_width(form);
-#pragma omp parallel for schedule(static)
-    for (pc_index i = 0; i < a->row_count; i++) {
-        float sum[4];
-        size_t at = (size_t)w * i;
-        row_times(form, sum, a, i, x);
-        for (int k = 0; k < w; k++)
-            y[at + (size_t)k] = mode == 0   ? sum[k]
-                                : mode == 1 ? y[at + (size_t)k] + sum[k]
-                                            : b[at + (size_t)k] - sum[k];
+    float sum[4];
+    size_t at = (size_t)w * i;
+    row_times(form, sum, a, i, x);
+    for (int k = 0; k < w; k++) {
+        float *to = &y[at + (size_t)k];
+        *to = use_of == STORE ? sum[k] : use_of == ADD ? *to + sum[k] : b[at + (size_t)k] - sum[k];
     }
 }
 
-INLINE void smooth(pc_block_form form, float *x_new, float *d, const pc_blockmat *a, const float *b,
-                   const float *x, float alpha, float beta) {
+PC_ALWAYS_INLINE void smooth_row(pc_block_form form, float *x_new, float *d, const pc_blockmat *a,
+                                 const float *b, const float *x, float alpha, float beta, pc_index i) {
     const int w = pc_form_width(form);
-#pragma omp parallel for schedule(static)
-    for (pc_index i = 0; i < a->row_count; i++) {
-        float r[4];
-        float step[4];
-        size_t at = (size_t)w * i;
-        row_times(form, r, a, i, x);
+    float r[4];
+    float step[4];
+    size_t at = (size_t)w * i;
+    row_times(form, r, a, i, x);
+    for (int k = 0; k < w; k++)
+        r[k] = b[at + (size_t)k] - r[k];
+    times_diagonal(form, step, a->inverse + (size_t)pc_form_diagonal(form) * i, r, beta);
+    if (alpha != 0) {
         for (int k = 0; k < w; k++)
-            r[k] = b[at + (size_t)k] - r[k];
-        times_diagonal(form, step, a->inverse + (size_t)pc_form_diagonal(form) * i, r, beta);
-        if (alpha != 0) {
-            for (int k = 0; k < w; k++)
-                step[k] += alpha * d[at + (size_t)k];
-        }
-        for (int k = 0; k < w; k++) {
-            d[at + (size_t)k] = step[k];
-            x_new[at + (size_t)k] = x[at + (size_t)k] + step[k];
-        }
+            step[k] += alpha * d[at + (size_t)k];
+    }
+    for (int k = 0; k < w; k++) {
+        d[at + (size_t)k] = step[k];
+        x_new[at + (size_t)k] = x[at + (size_t)k] + step[k];
     }
 }
 
-INLINE void smooth_first(pc_block_form form, float *x, float *d, const pc_blockmat *a, const float *b,
-                         float beta) {
+PC_ALWAYS_INLINE void first_row(pc_block_form form, float *x, float *d, const pc_blockmat *a, const float *b,
+                                float beta, pc_index i) {
     const int w = pc_form_width(form);
-#pragma omp parallel for schedule(static)
-    for (pc_index i = 0; i < a->row_count; i++) {
-        float step[4];
-        size_t at = (size_t)w * i;
-        times_diagonal(form, step, a->inverse + (size_t)pc_form_diagonal(form) * i, b + at, beta);
-        for (int k = 0; k < w; k++)
-            d[at + (size_t)k] = x[at + (size_t)k] = step[k];
-    }
+    float step[4];
+    size_t at = (size_t)w * i;
+    times_diagonal(form, step, a->inverse + (size_t)pc_form_diagonal(form) * i, b + at, beta);
+    for (int k = 0; k < w; k++)
+        d[at + (size_t)k] = x[at + (size_t)k] = step[k];
 }
-
-/* Calls `call` with the form as a constant, so that each form gets its own loop. */
-#define EACH_FORM(form, call)                                                                                \
-    switch (form) {                                                                                          \
-    case PC_FORM_SCALAR:                                                                                     \
-        call(PC_FORM_SCALAR);                                                                                \
-        break;                                                                                               \
-    case PC_FORM_COMPLEX:                                                                                    \
-        call(PC_FORM_COMPLEX);                                                                               \
-        break;                                                                                               \
-    case PC_FORM_TURNED:                                                                                     \
-        call(PC_FORM_TURNED);                                                                                \
-        break;                                                                                               \
-    case PC_FORM_DENSE:                                                                                      \
-        call(PC_FORM_DENSE);                                                                                 \
-        break;                                                                                               \
-    }
 
 void pc_blockmat_apply(float *y, const pc_blockmat *matrix, const float *x) {
-#define CALL(form) apply(form, y, matrix, x, NULL, 0)
-    EACH_FORM(matrix->form, CALL)
-#undef CALL
+#define ROW(form, i) apply_row(form, y, matrix, x, NULL, STORE, i)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+#undef ROW
 }
 
 void pc_blockmat_add(float *y, const pc_blockmat *transfer, const float *x) {
-#define CALL(form) apply(form, y, transfer, x, NULL, 1)
-    EACH_FORM(transfer->form, CALL)
-#undef CALL
+#define ROW(form, i) apply_row(form, y, transfer, x, NULL, ADD, i)
+    PC_EACH_ROW(transfer->form, transfer->row_count, ROW)
+#undef ROW
 }
 
 void pc_blockmat_residual(float *r, const pc_blockmat *matrix, const float *b, const float *x) {
-#define CALL(form) apply(form, r, matrix, x, b, 2)
-    EACH_FORM(matrix->form, CALL)
-#undef CALL
+#define ROW(form, i) apply_row(form, r, matrix, x, b, SUBTRACT, i)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+#undef ROW
 }
 
 void pc_blockmat_smooth(float *x_new, float *d, const pc_blockmat *matrix, const float *b, const float *x,
                         float alpha, float beta) {
-#define CALL(form) smooth(form, x_new, d, matrix, b, x, alpha, beta)
-    EACH_FORM(matrix->form, CALL)
-#undef CALL
+#define ROW(form, i) smooth_row(form, x_new, d, matrix, b, x, alpha, beta, i)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+#undef ROW
 }
 
 void pc_blockmat_smooth_first(float *x, float *d, const pc_blockmat *matrix, const float *b, float beta) {
-#define CALL(form) smooth_first(form, x, d, matrix, b, beta)
-    EACH_FORM(matrix->form, CALL)
-#undef CALL
+#define ROW(form, i) first_row(form, x, d, matrix, b, beta, i)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+#undef ROW
 }

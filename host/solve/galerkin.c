@@ -48,6 +48,19 @@ static void row_pattern(row *r, const product *p, pc_index i) {
     }
 }
 
+/* Columns of coarse rows ascend: set-up looks for common neighbours. */
+static void sort_pattern(row *r) {
+    for (pc_index k = 1; k < r->count; k++) {
+        pc_index column = r->list[k];
+        pc_index to = k;
+        for (; to > 0 && r->list[to - 1] > column; to--)
+            r->list[to] = r->list[to - 1];
+        r->list[to] = column;
+    }
+    for (pc_index k = 0; k < r->count; k++)
+        r->slot[r->list[k]] = k;
+}
+
 PC_ALWAYS_INLINE void add_row(pc_block_form form, row *r, const pc_blockmat *b, const pc_blockval *v,
                               pc_index j) {
     const size_t size = (size_t)pc_form_size(pc_form_coarse(form));
@@ -75,6 +88,7 @@ PC_ALWAYS_INLINE void row_values(pc_block_form form, row *r, const product *p, p
     const pc_blockmat *a = p->a;
     pc_blockval v;
     row_pattern(r, p, i);
+    if (p->finish == SPLIT_DIAGONAL) sort_pattern(r);
     memset(r->sum, 0, r->count * size * sizeof *r->sum);
     if (r->count == 0) return;
     if (a->diagonal) {
@@ -128,14 +142,11 @@ PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, const product *p
     }
 }
 
-PC_ALWAYS_INLINE void fill_rows(pc_block_form form, row *rows, const product *p) {
-#pragma omp parallel for schedule(static)
-    for (pc_index i = 0; i < p->a->row_count; i++) {
-        row *r = &rows[omp_get_thread_num()];
-        row_values(form, r, p, i);
-        if (p->finish == SMOOTH && r->count > 0) smooth_row(form, r, p, i);
-        put_row(form, r, p, i);
-    }
+PC_ALWAYS_INLINE void fill_row(pc_block_form form, row *rows, const product *p, pc_index i) {
+    row *r = &rows[omp_get_thread_num()];
+    row_values(form, r, p, i);
+    if (p->finish == SMOOTH && r->count > 0) smooth_row(form, r, p, i);
+    put_row(form, r, p, i);
 }
 
 /* Row sizes into start[]; returns the largest row. */
@@ -175,20 +186,9 @@ static pc_status multiply(product *p, pc_context *ctx) {
         p->c->start[i + 1] = p->c->start[i] + start[i + 1];
     for (int t = 0; t < threads; t++)
         PC_TRY(pc_new(&rows[t].sum, ctx, (size_t)largest * (size_t)pc_form_size(form)));
-    switch (p->a->form) {
-    case PC_FORM_SCALAR:
-        fill_rows(PC_FORM_SCALAR, rows, p);
-        break;
-    case PC_FORM_COMPLEX:
-        fill_rows(PC_FORM_COMPLEX, rows, p);
-        break;
-    case PC_FORM_TURNED:
-        fill_rows(PC_FORM_TURNED, rows, p);
-        break;
-    case PC_FORM_DENSE:
-        fill_rows(PC_FORM_DENSE, rows, p);
-        break;
-    }
+#define ROW(form_of, i) fill_row(form_of, rows, p, i)
+    PC_EACH_ROW(p->a->form, n, ROW)
+#undef ROW
 done:
     for (int t = 0; rows && t < threads; t++) {
         pc_free(ctx, rows[t].slot);

@@ -32,7 +32,8 @@ static size_t mutate(uint8_t *data, size_t size, pc_random *random) {
             size = at;
             break;
         case 3:
-            if (at + strlen(word) <= size) memcpy(data + at, word, strlen(word));
+            for (size_t k = 0; word[k] && at + k < size; k++)
+                data[at + k] = (uint8_t)word[k];
             break;
         case 4:
             if (length > size - at) length = size - at;

@@ -11,6 +11,7 @@
 #include "surface.h"
 #include "synth.h"
 #include "testing.h"
+#include "transition.h"
 #include <omp.h>
 
 static const pc_picture_options small = {
@@ -154,6 +155,28 @@ static void views_look_where_they_say(void **state) {
         assert_true(fabs(pc_dot(c.right, c.back)) < 1e-12 && fabs(pc_dot(c.up, c.back)) < 1e-12);
         assert_true(pc_distance(pc_cross(c.right, c.up), c.back) < 1e-12);
     }
+}
+
+/* A cone with a flat, finely meshed floor stands on it; a tall box without one stands up. */
+static void models_stand_on_their_feet(void **state) {
+    (void)state;
+    double cone[300], box[24];
+    pc_vec3 up, front;
+    for (int axis = 1; axis < 3; axis++) {
+        for (size_t i = 0; i < 100; i++) {
+            double rise = i < 40 ? 0 : ((double)i - 39) / 60, angle = 2.4 * (double)i;
+            cone[3 * i] = (1.1 - rise) * cos(angle);
+            cone[3 * i + (size_t)axis] = rise;
+            cone[3 * i + 3 - (size_t)axis] = 3 * (1.1 - rise) * sin(angle);
+        }
+        pc_camera_guess(&up, &front, cone, 100, PC_UP_AUTO);
+        assert_true((axis == 1 ? up.y : up.z) > 0.99);
+    }
+    for (size_t i = 0; i < 8; i++)
+        box[3 * i] = (double)(i & 1), box[3 * i + 1] = (double)(i >> 1 & 1),
+                box[3 * i + 2] = 3.0 * (double)(i >> 2);
+    pc_camera_guess(&up, &front, box, 8, PC_UP_AUTO);
+    assert_true(up.z > 0.99);
 }
 
 static void model_fits_every_view(void **state) {
@@ -317,6 +340,57 @@ static void refused_memory_leaves_nothing_behind(void **state) {
     pc_mesh_free(&mesh, ctx);
 }
 
+/* The iso-lines of a plane's own coordinates, each vertex in a frame turned and shifted at random: lines run
+ * where x or y is a whole period, and nowhere else. */
+static void isolines_do_not_depend_on_the_frames(void **state) {
+    pc_context *ctx = *state;
+    enum { NX = 24, NY = 18 };
+    pc_mesh mesh;
+    pc_param param = {0};
+    pc_picture picture;
+    uint8_t *pixels = NULL;
+    int64_t whole[2 * (NX + 1) * (NY + 1)];
+    pc_transition frame[(NX + 1) * (NY + 1)]; /* from the plane's coordinates to the vertex' own */
+    pc_random random = {3};
+    assert_ok(ctx, pc_synth_plane(&mesh, ctx, 4, 3, NX, NY));
+    param.vertex_count = mesh.vertex_count, param.face_count = mesh.face_count, param.period_length = 1;
+    assert_ok(ctx, pc_new(&param.coordinate, ctx, 2 * (size_t)mesh.vertex_count));
+    assert_ok(ctx, pc_new(&param.turn, ctx, 3 * (size_t)mesh.face_count));
+    assert_ok(ctx, pc_new(&param.shift, ctx, 6 * (size_t)mesh.face_count));
+    assert_ok(ctx, pc_new(&param.singular, ctx, mesh.face_count));
+    for (size_t v = 0; v < mesh.vertex_count; v++) {
+        for (size_t c = 0; c < 2; c++) /* lines at 0.5, 1.5, ... of the plane */
+            whole[2 * v + c] = (int64_t)((mesh.position[3 * v + c] - 0.5) * PC_PERIOD) | 1;
+        frame[v] =
+            (pc_transition){(int)(pc_random_next(&random) & 3), (int64_t)(pc_random_next(&random) % 9) - 4,
+                            (int64_t)(pc_random_next(&random) % 9) - 4};
+        pc_point2 own = pc_transition_apply(frame[v], (pc_point2){whole[2 * v], whole[2 * v + 1]});
+        param.coordinate[2 * v] = (int32_t)own.s, param.coordinate[2 * v + 1] = (int32_t)own.t;
+    }
+    for (pc_index h = 0; h < 3 * mesh.face_count; h++) {
+        pc_transition g =
+            pc_transition_after(frame[pc_tail(&mesh, h)], pc_transition_inverse(frame[pc_head(&mesh, h)]));
+        param.turn[h] = (uint8_t)g.turn;
+        param.shift[2 * (size_t)h] = (int32_t)g.a, param.shift[2 * (size_t)h + 1] = (int32_t)g.b;
+    }
+    pc_picture_options options = small;
+    options.width = 400, options.height = 300;
+    assert_ok(ctx, pc_picture_make(&picture, ctx, mesh.position, mesh.vertex_count, &options));
+    assert_ok(ctx, pc_scene_param(&picture, ctx, &mesh, &param));
+    assert_ok(ctx, pc_picture_pixels(&pixels, ctx, &picture));
+    for (int j = 0; j < 6; j++)
+        for (int i = 0; i < 8; i++) {
+            double x = 0.25 + 0.5 * i, y = 0.25 + 0.5 * j, on = floor(x) + 0.5;
+            assert_true(pixel_of(&picture, pixels, (pc_vec3){x, y, 0})[0] > 150);
+            assert_true(pixel_of(&picture, pixels, (pc_vec3){on, y, 0})[0] < 110);
+            assert_true(pixel_of(&picture, pixels, (pc_vec3){x, floor(y) + 0.5, 0})[0] < 110);
+        }
+    pc_free(ctx, pixels);
+    pc_picture_free(&picture, ctx);
+    pc_param_free(&param, ctx);
+    pc_mesh_free(&mesh, ctx);
+}
+
 static void scattered_points_keep_their_distance(void **state) {
     pc_context *ctx = *state;
     pc_mesh mesh;
@@ -351,11 +425,13 @@ int main(void) {
         cmocka_unit_test_setup_teardown(line_behind_a_surface_is_hidden, make_context, free_context),
         cmocka_unit_test_setup_teardown(line_on_a_surface_is_whole, make_context, free_context),
         cmocka_unit_test_setup_teardown(views_look_where_they_say, make_context, free_context),
+        cmocka_unit_test_setup_teardown(models_stand_on_their_feet, make_context, free_context),
         cmocka_unit_test_setup_teardown(model_fits_every_view, make_context, free_context),
         cmocka_unit_test_setup_teardown(threads_change_no_byte, make_context, free_context),
         cmocka_unit_test_setup_teardown(degenerate_meshes_are_survived, make_context, free_context),
         cmocka_unit_test_setup_teardown(sizes_out_of_reach_are_refused, make_context, free_context),
         cmocka_unit_test_setup_teardown(refused_memory_leaves_nothing_behind, make_context, free_context),
+        cmocka_unit_test_setup_teardown(isolines_do_not_depend_on_the_frames, make_context, free_context),
         cmocka_unit_test_setup_teardown(scattered_points_keep_their_distance, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

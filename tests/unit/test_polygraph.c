@@ -1,12 +1,12 @@
 /* What a polygon mesh is as a surface, whole and broken; polygons as triangles. */
 #include "memory.h"
 #include "polygraph.h"
+#include "polysurface.h"
 #include "synth.h"
 #include "synth_blob.h"
 #include "synth_quads.h"
 #include "synth_wear.h"
 #include "testing.h"
-#include "polysurface.h"
 #include "vec3.h"
 
 static pc_surface_count count_of(pc_context *ctx, const pc_polymesh *mesh) {

@@ -327,7 +327,7 @@ static void random_soup(pc_mesh *in, pc_context *ctx, pc_random *random) {
 static void any_soup_becomes_manifold(void **state) {
     pc_context *ctx = *state;
     int refused = 0, made = 0;
-    for (uint64_t seed = 1; seed <= 3000; seed++) {
+    for (uint64_t seed = 1; seed <= 600; seed++) {
         pc_random random = {pc_hash64(seed)};
         pc_mesh in, out, again;
         pc_repair_report report, second;
@@ -360,8 +360,8 @@ static void any_soup_becomes_manifold(void **state) {
         pc_mesh_free(&again, ctx);
         pc_mesh_free(&out, ctx);
     }
-    assert_true(made > 2000);
-    assert_true(refused > 10);
+    assert_true(made > 400);
+    assert_true(refused > 2);
 }
 
 /* Every allocation may fail, and nothing leaks. */

@@ -1,0 +1,169 @@
+#include "relax.h"
+#include "bvh.h"
+#include "geometry.h"
+#include "memory.h"
+#include <string.h>
+
+enum { GRAIN = 1024 };
+
+typedef struct relaxation {
+    pc_polymesh *quads;
+    const pc_mesh *scan;
+    pc_bvh tree;
+    double *scan_normal;    /* 3 per scan vertex */
+    double *normal;         /* 3 per quad vertex: the scan's there */
+    pc_index *start, *near; /* per vertex: its neighbours along edges, twice each in the interior */
+    pc_index *hint;         /* per vertex: the scan face it was last on */
+    uint8_t *border;
+    uint8_t *active;
+    double *moved;          /* 3 per vertex */
+} relaxation;
+
+static pc_status find_neighbours(relaxation *r, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_polymesh *q = r->quads;
+    pc_index corners = q->start[q->face_count];
+    PC_TRY(pc_new(&r->start, ctx, (size_t)q->vertex_count + 2));
+    PC_TRY(pc_new(&r->near, ctx, 2 * (size_t)corners));
+    for (pc_index c = 0; c < corners; c++)
+        r->start[q->corner[c] + 2] += 2;
+    for (pc_index v = 0; v < q->vertex_count; v++)
+        r->start[v + 2] += r->start[v + 1];
+    for (pc_index f = 0; f < q->face_count; f++)
+        for (pc_index c = q->start[f], n = q->start[f + 1] - c, k = 0; k < n; k++) {
+            pc_index v = q->corner[c + k];
+            r->near[r->start[v + 1]++] = q->corner[c + (k + 1) % n];
+            r->near[r->start[v + 1]++] = q->corner[c + (k + n - 1) % n];
+        }
+    /* In the interior each neighbour is there twice, once from either face; on a border one is there once. */
+    PC_TRY(pc_new(&r->border, ctx, q->vertex_count));
+    for (pc_index v = 0; v < q->vertex_count; v++)
+        for (pc_index i = r->start[v]; i < r->start[v + 1]; i++) {
+            pc_index same = 0;
+            for (pc_index j = r->start[v]; j < r->start[v + 1]; j++)
+                same += r->near[j] == r->near[i];
+            if (same % 2) r->border[v] = 1;
+        }
+done:
+    return status;
+}
+
+static void look_up(relaxation *r, pc_index v) {
+    pc_bvh_hit hit = pc_bvh_closest(&r->tree, pc_vec3_at(r->quads->position, v), r->hint[v]);
+    if (hit.face == PC_NONE) return;
+    const pc_index *t = r->scan->triangle + 3 * (size_t)hit.face;
+    pc_vec3 normal = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        normal = pc_madd(normal, hit.weight[k], pc_vec3_at(r->scan_normal, t[k]));
+    r->hint[v] = hit.face;
+    pc_vec3_put(r->normal, v, pc_unit(normal));
+    pc_vec3_put(r->quads->position, v, hit.point);
+}
+
+/* A corner is bad where the face turns too little, or the wrong way, about the scan's normal. */
+static bool is_bad(const relaxation *r, pc_index f, double least_sine) {
+    const pc_polymesh *q = r->quads;
+    pc_index from = q->start[f], n = q->start[f + 1] - from;
+    for (pc_index k = 0; k < n; k++) {
+        if (q->corner_flat && q->corner_flat[from + k]) continue;
+        pc_index v = q->corner[from + k];
+        pc_vec3 p = pc_vec3_at(q->position, v);
+        pc_vec3 a = pc_sub(pc_vec3_at(q->position, q->corner[from + (k + 1) % n]), p);
+        pc_vec3 b = pc_sub(pc_vec3_at(q->position, q->corner[from + (k + n - 1) % n]), p);
+        double lengths = pc_norm(a) * pc_norm(b);
+        if (!(pc_dot(pc_cross(a, b), pc_vec3_at(r->normal, v)) > least_sine * lengths)) return true;
+    }
+    return false;
+}
+
+static pc_index activate(relaxation *r, double least_sine) {
+    pc_index bad = 0;
+    const pc_polymesh *q = r->quads;
+    for (pc_index f = 0; f < q->face_count; f++) {
+        if (!is_bad(r, f, least_sine)) continue;
+        bad++;
+        for (pc_index c = q->start[f]; c < q->start[f + 1]; c++)
+            r->active[q->corner[c]] = 1;
+    }
+    return bad;
+}
+
+/* All active vertices step at once, so that their order does not show. */
+static void step(relaxation *r, double fraction) {
+    pc_polymesh *q = r->quads;
+#pragma omp parallel for schedule(static, GRAIN)
+    for (pc_index v = 0; v < q->vertex_count; v++) {
+        pc_vec3 p = pc_vec3_at(q->position, v), sum = {0, 0, 0};
+        pc_index count = r->start[v + 1] - r->start[v];
+        if (r->active[v] && !r->border[v] && count) {
+            for (pc_index i = r->start[v]; i < r->start[v + 1]; i++)
+                sum = pc_add(sum, pc_vec3_at(q->position, r->near[i]));
+            p = pc_madd(p, fraction, pc_sub(pc_scale(1.0 / count, sum), p));
+        }
+        pc_vec3_put(r->moved, v, p);
+    }
+#pragma omp parallel for schedule(static, GRAIN)
+    for (pc_index v = 0; v < q->vertex_count; v++) {
+        if (!r->active[v] || r->border[v]) continue;
+        pc_vec3_put(q->position, v, pc_vec3_at(r->moved, v));
+        look_up(r, v);
+    }
+}
+
+static void widen(relaxation *r) {
+    const pc_polymesh *q = r->quads;
+    for (pc_index f = 0; f < q->face_count; f++)
+        for (pc_index c = q->start[f]; c < q->start[f + 1]; c++)
+            if (r->active[q->corner[c]] == 1) {
+                for (pc_index d = q->start[f]; d < q->start[f + 1]; d++)
+                    if (!r->active[q->corner[d]]) r->active[q->corner[d]] = 2;
+                break;
+            }
+    for (pc_index v = 0; v < q->vertex_count; v++)
+        r->active[v] = r->active[v] != 0;
+}
+
+pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, pc_context *ctx, const pc_mesh *scan,
+                   const pc_adjacency *adjacency, const pc_relax_options *options) {
+    pc_status status = PC_OK;
+    relaxation r = {.quads = quads, .scan = scan};
+    *stats = (pc_relax_stats){0};
+    PC_TRY(pc_bvh_make(&r.tree, ctx, scan));
+    PC_TRY(pc_new(&r.scan_normal, ctx, 3 * (size_t)scan->vertex_count));
+    pc_geometry_vertex_normals(r.scan_normal, scan, adjacency, PC_NORMAL_AREA);
+    PC_TRY(pc_new(&r.normal, ctx, 3 * (size_t)quads->vertex_count));
+    PC_TRY(pc_new(&r.moved, ctx, 3 * (size_t)quads->vertex_count));
+    PC_TRY(pc_new(&r.hint, ctx, quads->vertex_count));
+    PC_TRY(pc_new(&r.active, ctx, quads->vertex_count));
+    memset(r.hint, 0xff, sizeof(pc_index) * quads->vertex_count);
+    PC_TRY(find_neighbours(&r, ctx));
+#pragma omp parallel for schedule(static, GRAIN)
+    for (pc_index v = 0; v < quads->vertex_count; v++)
+        look_up(&r, v);
+    stats->bad_before = stats->bad_after = activate(&r, options->least_sine);
+    memset(r.active, 1, quads->vertex_count);
+    for (int i = 0; i < options->smooth_rounds; i++)
+        step(&r, 0.5);
+    for (int i = 0; i < options->rounds; i++) {
+        memset(r.active, 0, quads->vertex_count);
+        stats->bad_after = activate(&r, options->least_sine);
+        if (stats->bad_after == 0) break;
+        for (int ring = 0; ring < i / 6; ring++)
+            widen(&r);
+        step(&r, 0.7);
+        PC_TRY(pc_check_interrupt(ctx));
+    }
+    memset(r.active, 0, quads->vertex_count);
+    stats->bad_after = activate(&r, options->least_sine);
+done:
+    pc_bvh_free(&r.tree, ctx);
+    pc_free(ctx, r.scan_normal);
+    pc_free(ctx, r.normal);
+    pc_free(ctx, r.start);
+    pc_free(ctx, r.near);
+    pc_free(ctx, r.hint);
+    pc_free(ctx, r.border);
+    pc_free(ctx, r.active);
+    pc_free(ctx, r.moved);
+    return status;
+}

@@ -1,0 +1,28 @@
+/* Parallel loops over rows in which the form of the blocks is a constant. */
+#ifndef PC_EACHROW_H
+#define PC_EACHROW_H
+
+#define PC_ALWAYS_INLINE static inline __attribute__((always_inline))
+
+/* CALL(form, i) for all rows. A loop for each form: a form handed into one loop would be a variable there,
+ * because compilers outline parallel loops before they know its value. */
+#define PC_ROWS_OF(FORM, rows, CALL)                                                                         \
+    _Pragma("omp parallel for schedule(static)") for (pc_index row_of_loop = 0; row_of_loop < (rows);        \
+                                                      row_of_loop++) CALL(FORM, row_of_loop)
+#define PC_EACH_ROW(form, rows, CALL)                                                                        \
+    switch (form) {                                                                                          \
+    case PC_FORM_SCALAR:                                                                                     \
+        PC_ROWS_OF(PC_FORM_SCALAR, rows, CALL);                                                              \
+        break;                                                                                               \
+    case PC_FORM_COMPLEX:                                                                                    \
+        PC_ROWS_OF(PC_FORM_COMPLEX, rows, CALL);                                                             \
+        break;                                                                                               \
+    case PC_FORM_TURNED:                                                                                     \
+        PC_ROWS_OF(PC_FORM_TURNED, rows, CALL);                                                              \
+        break;                                                                                               \
+    case PC_FORM_DENSE:                                                                                      \
+        PC_ROWS_OF(PC_FORM_DENSE, rows, CALL);                                                               \
+        break;                                                                                               \
+    }
+
+#endif
