@@ -70,7 +70,15 @@ static void find_edge_points(const drawing *d, pc_index e, double abscissa[2]) {
 typedef struct ring {
     int count;
     pc_index vertex[MOST_CORNERS];
+    uint8_t lines[MOST_CORNERS]; /* the straight lines a vertex is on: bits 0-2 the sides of the face, 3 and 4 chords */
 } ring;
+
+enum { CHORD_LINES = 3 };
+
+static void append(ring *around, pc_index vertex, int lines) {
+    around->vertex[around->count] = vertex;
+    around->lines[around->count++] = (uint8_t)lines;
+}
 
 typedef struct chord {
     int end[2]; /* positions on the ring; end[0] < end[1] */
@@ -109,15 +117,18 @@ static void walk_ring(ring *around, chord chords[2], const drawing *d, pc_index 
         bool forward = base_half(d, e) == h;
         int parity = frame_parity(d->param, f, forward ? k : (k + 1) % 3);
         if (is_cone(d, d->mesh->triangle[h])) cone_position = around->count;
-        around->vertex[around->count++] = d->mesh->triangle[h];
+        append(around, d->mesh->triangle[h], 1 << k | 1 << (k + 2) % 3);
         for (int a = 0; a < points->count; a++) {
             int b = forward ? a : points->count - 1 - a, family = points->family[b] ^ parity;
             end[family][ends[family]++] = around->count;
-            around->vertex[around->count++] = points->first_vertex + (pc_index)b;
+            append(around, points->first_vertex + (pc_index)b, 1 << k);
         }
     }
     for (int family = 0; family < 2 && is_drawable(d->param, f); family++)
         join_ends(&chords[family], end[family], ends[family], cone_position, around, d->overlay->mesh.position);
+    for (int i = 0; i < 4; i++)
+        if (chords[i / 2].present)
+            around->lines[chords[i / 2].end[i % 2]] |= (uint8_t)(1 << (CHORD_LINES + i / 2));
 }
 
 static bool chords_cross(const chord chords[2]) {
@@ -144,13 +155,14 @@ static bool is_pair(const drawn_pairs *pairs, pc_index a, pc_index b) {
 
 /* Cuts a ring along the line from position a to position b, by way of `through` unless that is PC_NONE. */
 static void cut_ring(ring *left, ring *right, const ring *whole, int a, int b, pc_index through) {
+    const int both = 3 << CHORD_LINES;
     left->count = right->count = 0;
     for (int i = 0; i < whole->count; i++) {
-        if (i <= a || i >= b) left->vertex[left->count++] = whole->vertex[i];
-        if (i == a && through != PC_NONE) left->vertex[left->count++] = through;
-        if (i >= a && i <= b) right->vertex[right->count++] = whole->vertex[i];
+        if (i <= a || i >= b) append(left, whole->vertex[i], whole->lines[i]);
+        if (i == a && through != PC_NONE) append(left, through, both);
+        if (i >= a && i <= b) append(right, whole->vertex[i], whole->lines[i]);
     }
-    if (through != PC_NONE) right->vertex[right->count++] = through;
+    if (through != PC_NONE) append(right, through, both);
 }
 
 static int position_of(const ring *around, pc_index vertex) {
@@ -166,7 +178,9 @@ static double ear_quality(const double *position, pc_index a, pc_index b, pc_ind
     return longest > 0 ? pc_norm(pc_cross(u, v)) / longest : 0;
 }
 
-/* Triangulates a convex ring, best ear first; writes triangles and their drawn half-edges from face *at on. */
+/* Triangulates a convex ring, best ear first; writes triangles and their drawn half-edges from face *at on. No cut joins
+ * two vertices of a line: it would lie on the line, and could be there already on its other side. A ring of three lines
+ * or more always has an ear left. */
 static void emit_ring(const drawing *d, ring around, const drawn_pairs *pairs, pc_index source, pc_index *at) {
     pc_overlay *o = d->overlay;
     while (around.count >= 3) {
@@ -174,8 +188,9 @@ static void emit_ring(const drawing *d, ring around, const drawn_pairs *pairs, p
         double best_quality = -1;
         for (int i = 0; i < around.count; i++) {
             const pc_index *v = around.vertex;
-            double quality = ear_quality(o->mesh.position, v[(i + around.count - 1) % around.count], v[i],
-                                         v[(i + 1) % around.count]);
+            int before = (i + around.count - 1) % around.count, after = (i + 1) % around.count;
+            if (around.count > 3 && (around.lines[before] & around.lines[after])) continue;
+            double quality = ear_quality(o->mesh.position, v[before], v[i], v[after]);
             if (quality > best_quality) best = i, best_quality = quality;
         }
         pc_index *t = o->mesh.triangle + 3 * (size_t)*at;
@@ -186,6 +201,7 @@ static void emit_ring(const drawing *d, ring around, const drawn_pairs *pairs, p
         o->source_face[(*at)++] = source;
         around.count--;
         memmove(around.vertex + best, around.vertex + best + 1, sizeof(pc_index) * (size_t)(around.count - best));
+        memmove(around.lines + best, around.lines + best + 1, (size_t)(around.count - best));
     }
 }
 
