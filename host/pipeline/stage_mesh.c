@@ -11,7 +11,7 @@
 
 /* Edges longer than this part of a cell's side are split: PGP needs less than a half, and the density may
  * rise. */
-static const double longest_part = 0.25;
+static const double longest_part = 0.32;
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "quads", (int64_t)options->quads);
