@@ -1,5 +1,6 @@
 /* Layouts are closed cell complexes with the scan's topology, of good parameterizations and of garbage alike.
  */
+#include <stdlib.h>
 #include "bvh.h"
 #include "layout.h"
 #include "param_testing.h"
@@ -190,6 +191,8 @@ static void layouts_of_garbage(void **state) {
         pc_param param;
         int kind = (int)(seed % 7);
         const trial t = {ctx, &s, &param, "garbage", kind, seed};
+        if (getenv("ONLY") && seed != strtoull(getenv("ONLY"), NULL, 10)) continue;
+        if (getenv("VERBOSE")) fprintf(stderr, "seed %d\n", (int)seed);
         make_small_mesh(&s.mesh, ctx, kind, seed / 7);
         measure_shape(&s, ctx);
         make_garbage(&param, ctx, &s, seed / 7);
