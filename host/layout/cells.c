@@ -2,7 +2,7 @@
 #include "memory.h"
 #include <string.h>
 
-enum { MOST_ROUNDS = 12 };
+enum { MOST_REFINEMENTS = 12 };
 
 static pc_status make_walls(pc_cells *cells, pc_context *ctx, const pc_overlay *overlay,
                             const pc_adjacency *adjacency) {
@@ -385,7 +385,7 @@ pc_status pc_cells_make(pc_cells *cells, pc_cells_stats *stats, pc_context *ctx,
     *stats = (pc_cells_stats){0};
     PC_TRY(make_walls(cells, ctx, overlay, adjacency));
     PC_TRY(remove_dangling(cells, &stats->dangling_edges, ctx, &overlay->mesh, adjacency));
-    for (int round = 0;; round++) {
+    for (int refinements = 0;;) {
         pc_index cut = 0, split = 0, stuck_count = 0;
         PC_TRY(flood(cells, ctx, &overlay->mesh, adjacency));
         PC_TRY(cut_to_disks(cells, &cut, ctx, &overlay->mesh, adjacency));
@@ -396,11 +396,13 @@ pc_status pc_cells_make(pc_cells *cells, pc_cells_stats *stats, pc_context *ctx,
         PC_TRY(split_selfish(cells, &split, stuck, &stuck_count, ctx, &overlay->mesh, adjacency));
         stats->cut_cells += cut, stats->split_cells += split;
         if (!cut && !split && !stuck_count) break;
-        if (round == MOST_ROUNDS) {
-            status = pc_fail(ctx, PC_E_BUG, "%u cells still meet themselves after %d rounds", stuck_count, round);
+        if (!stuck_count) continue; /* each split parts two sides of a wall, so that this ends */
+        if (refinements++ == MOST_REFINEMENTS) {
+            status = pc_fail(ctx, PC_E_BUG, "%u cells still meet themselves in triangles refined %d times", stuck_count,
+                             MOST_REFINEMENTS);
             goto done;
         }
-        if (stuck_count) PC_TRY(refine_stuck(cells, stuck, ctx, overlay, adjacency));
+        PC_TRY(refine_stuck(cells, stuck, ctx, overlay, adjacency));
     }
 done:
     pc_free(ctx, stuck);

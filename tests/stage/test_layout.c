@@ -99,6 +99,7 @@ static void layouts_of_parameterizations(void **state) {
             pc_param_options options = PC_PARAM_DEFAULTS;
             options.period_length = factors[k] * s.longest_edge;
             const trial t = {ctx, &s, &param, "parameterized", kind, k};
+            if (getenv("VERBOSE")) fprintf(stderr, "kind %d factor %g\n", kind, factors[k]);
             assert_ok(ctx, pc_param_make(&param, &stats, ctx, host, &s.mesh, &s.adjacency, &s.field, NULL,
                                          &options));
             assert_ok(ctx, pc_param_check(&param, ctx, &s.mesh, &s.adjacency));
