@@ -2,7 +2,7 @@
 #include "memory.h"
 #include <string.h>
 
-enum { MOST_ROUNDS = 12 };
+enum { MOST_REFINEMENTS = 12 };
 
 static pc_status make_walls(pc_cells *cells, pc_context *ctx, const pc_overlay *overlay,
                             const pc_adjacency *adjacency) {
@@ -219,113 +219,130 @@ done:
 
 /* ---- cells that meet themselves ---- */
 
+/* A rim may come by a vertex several times, even all of its vertices. Ways across a cell therefore begin and end at
+ * positions of the rim, each with the faces of the cell between the wall that arrives there and the one that leaves. */
 typedef struct splitting {
     const pc_mesh *mesh;
     const pc_adjacency *adjacency;
     pc_cells *cells;
-    pc_index *rim;        /* half-edges of the rim of the cell at hand */
+    const pc_index *degree; /* walls per vertex */
+    pc_index *rim;          /* half-edges of the rim of the cell at hand */
     pc_index rim_count;
-    pc_index *from;       /* per vertex: half-edge by which the search came, PC_NONE */
-    pc_index *stamp;      /* per vertex: 2*round (reached) or 2*round+1 (goal) */
-    pc_index *queue;
-    pc_index round;
+    pc_index *position;     /* per half-edge of the rim */
+    pc_index *from;         /* per vertex inside: half-edge by which the search came */
+    pc_index *stamp;        /* per vertex inside: the search that reached it last */
+    pc_index *queue;        /* half-edges to follow */
+    pc_index queued, search;
 } splitting;
 
-/* First and one-past-last position of the rim between two runs along the same wall; false where there is none. */
-static bool find_repeat(const splitting *s, pc_index *first, pc_index *second, const pc_index *position) {
+/* The positions of the rim where it runs along the same wall; false where there are none. */
+static bool find_repeat(const splitting *s, pc_index *first, pc_index *second) {
     for (pc_index i = 0; i < s->rim_count; i++) {
         pc_index twin = s->adjacency->twin[s->rim[i]];
         if (twin == PC_NONE || s->cells->cell[twin / 3] != s->cells->cell[s->rim[i] / 3]) continue;
-        *first = i, *second = position[twin];
-        if (*first > *second) *first = position[twin], *second = i;
+        *first = i, *second = s->position[twin];
+        if (*first > *second) *first = s->position[twin], *second = i;
         return true;
     }
     return false;
 }
 
-/* Breadth first over the open edges of the cell from `start` to any goal on the rim; marks the way as wall. */
-static bool cut_across(splitting *s, pc_index start, pc_index cell, const pc_index *degree) {
-    pc_index head = 0, tail = 0;
-    s->queue[tail++] = start;
-    s->stamp[start] = 2 * s->round, s->from[start] = PC_NONE;
-    while (head < tail) {
-        pc_index v = s->queue[head++], first = s->adjacency->vertex_half[v], h = first;
-        while (h != PC_NONE) {
-            pc_index w = pc_head(s->mesh, h), e = s->adjacency->edge[h];
-            if (!s->cells->wall[e] && s->cells->cell[h / 3] == cell && s->stamp[w] != 2 * s->round) {
-                bool goal = s->stamp[w] == 2 * s->round + 1;
-                if (goal || degree[w] == 0) {
-                    s->stamp[w] = 2 * s->round, s->from[w] = h;
-                    s->queue[tail++] = w;
-                }
-                if (goal) {
-                    for (pc_index back = w; s->from[back] != PC_NONE; back = pc_tail(s->mesh, s->from[back]))
-                        s->cells->wall[s->adjacency->edge[s->from[back]]] = 1;
-                    return true;
-                }
-            }
-            h = pc_turn_ccw(s->adjacency, h);
-            if (h == first) break;
+static void queue_sector(splitting *s, pc_index at) {
+    for (pc_index back = pc_prev(s->rim[at]); !s->cells->wall[s->adjacency->edge[back]];) {
+        pc_index h = s->adjacency->twin[back];
+        s->queue[s->queued++] = h;
+        back = pc_prev(h);
+    }
+}
+
+/* The position of the rim at which the open half-edge h, whose head is on the rim, arrives. */
+static pc_index arrival(const splitting *s, pc_index h) {
+    pc_index leaving = s->adjacency->twin[h];
+    while (!s->cells->wall[s->adjacency->edge[leaving]])
+        leaving = pc_next(s->adjacency->twin[leaving]);
+    return s->position[leaving];
+}
+
+static void mark_way(splitting *s, pc_index h) {
+    for (;;) {
+        s->cells->wall[s->adjacency->edge[h]] = 1;
+        if (s->degree[pc_tail(s->mesh, h)]) return;
+        h = s->from[pc_tail(s->mesh, h)];
+    }
+}
+
+/* Breadth first over the open edges of the cell from `starts` positions of the rim after `start` to any of `goals`
+ * positions after `goal`, all modulo the rim; marks the way as wall. */
+static bool cut_across(splitting *s, pc_index start, pc_index starts, pc_index goal, pc_index goals) {
+    s->queued = 0, s->search++;
+    for (pc_index i = 0; i < starts; i++)
+        queue_sector(s, (start + i) % s->rim_count);
+    for (pc_index next = 0; next < s->queued; next++) {
+        pc_index h = s->queue[next], w = pc_head(s->mesh, h);
+        if (s->degree[w]) {
+            if ((arrival(s, h) + s->rim_count - goal) % s->rim_count >= goals) continue;
+            mark_way(s, h);
+            return true;
         }
+        if (s->stamp[w] == s->search) continue;
+        s->stamp[w] = s->search, s->from[w] = h;
+        pc_index first = s->adjacency->twin[h];
+        for (pc_index g = pc_turn_ccw(s->adjacency, first); g != first; g = pc_turn_ccw(s->adjacency, g))
+            s->queue[s->queued++] = g;
     }
     return false;
 }
 
-static void walk_rim(splitting *s, pc_index h, pc_index *position) {
+static void walk_rim(splitting *s, pc_index h) {
     pc_index first = h;
     s->rim_count = 0;
     do {
-        position[h] = s->rim_count;
+        s->position[h] = s->rim_count;
         s->rim[s->rim_count++] = h;
         h = pc_rim_next(s->adjacency, s->cells->wall, h);
     } while (h != first);
 }
 
 /* Tries to split the cell with rim half-edge h. Returns 0: not needed, 1: split, 2: no way through. */
-static int split_cell(splitting *s, pc_index h, pc_index *position, const pc_index *degree) {
+static int split_cell(splitting *s, pc_index h) {
     pc_index a, b;
-    walk_rim(s, h, position);
-    if (!find_repeat(s, &a, &b, position)) return 0;
-    /* The rim runs a, (a+1 .. b-1), b, (b+1 .. a-1): join the middle of the first part to the second part. */
-    pc_index inner = b - a - 1, outer = s->rim_count - inner - 2;
-    if (inner < 2 || outer < 2) return 2;
-    s->round++;
-    for (pc_index i = 2 + outer / 4; i < 1 + outer - outer / 4; i++)
-        s->stamp[pc_tail(s->mesh, s->rim[(b + i) % s->rim_count])] = 2 * s->round + 1;
-    for (pc_index i = a; i <= b + 1; i++)
-        s->stamp[pc_tail(s->mesh, s->rim[i % s->rim_count])] = 0;
-    if (outer < 4) s->stamp[pc_tail(s->mesh, s->rim[(b + 1 + outer / 2) % s->rim_count])] = 2 * s->round + 1;
-    pc_index start = pc_tail(s->mesh, s->rim[a + 1 + inner / 2]);
-    return cut_across(s, start, s->cells->cell[h / 3], degree) ? 1 : 2;
+    walk_rim(s, h);
+    if (!find_repeat(s, &a, &b)) return 0;
+    /* A way from a position in a+1 .. b to one in b+1 .. a+n parts the two sides of the wall; best from middle to
+     * middle. */
+    pc_index inner = b - a, outer = s->rim_count - inner;
+    if (cut_across(s, a + 1 + inner / 4, inner - inner / 4 * 2, b + 1 + outer / 4, outer - outer / 4 * 2)) return 1;
+    return cut_across(s, a + 1, inner, b + 1, outer) ? 1 : 2;
 }
 
 static pc_status split_selfish(pc_cells *cells, pc_index *split_count, uint8_t *stuck, pc_index *stuck_count,
                                pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency) {
     pc_status status = PC_OK;
     splitting s = {.mesh = mesh, .adjacency = adjacency, .cells = cells};
-    pc_index *position = NULL, *degree = NULL;
+    pc_index *degree = NULL;
     uint8_t *done_cell = NULL;
     pc_index halves = 3 * mesh->face_count;
     PC_TRY(pc_new(&s.rim, ctx, halves));
-    PC_TRY(pc_new(&position, ctx, halves));
+    PC_TRY(pc_new(&s.position, ctx, halves));
     PC_TRY(pc_new(&s.from, ctx, mesh->vertex_count));
     PC_TRY(pc_new(&s.stamp, ctx, mesh->vertex_count));
-    PC_TRY(pc_new(&s.queue, ctx, mesh->vertex_count));
+    PC_TRY(pc_new(&s.queue, ctx, halves));
     PC_TRY(pc_new(&done_cell, ctx, cells->cell_count));
     PC_TRY(count_walls(&degree, ctx, cells, mesh, adjacency));
+    s.degree = degree;
     for (pc_index h = 0; h < halves; h++) {
         pc_index cell = cells->cell[h / 3], twin = adjacency->twin[h];
         if (done_cell[cell] || twin == PC_NONE || !cells->wall[adjacency->edge[h]]) continue;
         if (cells->cell[twin / 3] != cell) continue;
         done_cell[cell] = 1;
-        int result = split_cell(&s, h, position, degree);
+        int result = split_cell(&s, h);
         *split_count += result == 1;
         *stuck_count += result == 2;
         stuck[cell] = result == 2;
     }
 done:
     pc_free(ctx, s.rim);
-    pc_free(ctx, position);
+    pc_free(ctx, s.position);
     pc_free(ctx, s.from);
     pc_free(ctx, s.stamp);
     pc_free(ctx, s.queue);
@@ -368,7 +385,7 @@ pc_status pc_cells_make(pc_cells *cells, pc_cells_stats *stats, pc_context *ctx,
     *stats = (pc_cells_stats){0};
     PC_TRY(make_walls(cells, ctx, overlay, adjacency));
     PC_TRY(remove_dangling(cells, &stats->dangling_edges, ctx, &overlay->mesh, adjacency));
-    for (int round = 0;; round++) {
+    for (int refinements = 0;;) {
         pc_index cut = 0, split = 0, stuck_count = 0;
         PC_TRY(flood(cells, ctx, &overlay->mesh, adjacency));
         PC_TRY(cut_to_disks(cells, &cut, ctx, &overlay->mesh, adjacency));
@@ -379,11 +396,13 @@ pc_status pc_cells_make(pc_cells *cells, pc_cells_stats *stats, pc_context *ctx,
         PC_TRY(split_selfish(cells, &split, stuck, &stuck_count, ctx, &overlay->mesh, adjacency));
         stats->cut_cells += cut, stats->split_cells += split;
         if (!cut && !split && !stuck_count) break;
-        if (round == MOST_ROUNDS) {
-            status = pc_fail(ctx, PC_E_BUG, "%u cells still meet themselves after %d rounds", stuck_count, round);
+        if (!stuck_count) continue; /* each split parts two sides of a wall, so that this ends */
+        if (refinements++ == MOST_REFINEMENTS) {
+            status = pc_fail(ctx, PC_E_BUG, "%u cells still meet themselves in triangles refined %d times", stuck_count,
+                             MOST_REFINEMENTS);
             goto done;
         }
-        if (stuck_count) PC_TRY(refine_stuck(cells, stuck, ctx, overlay, adjacency));
+        PC_TRY(refine_stuck(cells, stuck, ctx, overlay, adjacency));
     }
 done:
     pc_free(ctx, stuck);

@@ -70,18 +70,20 @@ static void find_edge_points(const drawing *d, pc_index e, double abscissa[2]) {
 typedef struct ring {
     int count;
     pc_index vertex[MOST_CORNERS];
-    uint8_t sides[MOST_CORNERS]; /* bit k: on edge k of the scan face */
+    uint8_t lines[MOST_CORNERS]; /* the straight lines a vertex is on: bits 0-2 the sides of the face, 3 and 4 chords */
 } ring;
+
+enum { CHORD_LINES = 3 };
+
+static void append(ring *around, pc_index vertex, int lines) {
+    around->vertex[around->count] = vertex;
+    around->lines[around->count++] = (uint8_t)lines;
+}
 
 typedef struct chord {
     int end[2]; /* positions on the ring; end[0] < end[1] */
     bool present;
 } chord;
-
-static void add_vertex(ring *around, pc_index vertex, uint8_t sides) {
-    around->sides[around->count] = sides;
-    around->vertex[around->count++] = vertex;
-}
 
 /* Quarter turns, modulo 2, between the frame of the face's first corner and that of corner k. */
 static int frame_parity(const pc_param *param, pc_index f, int k) {
@@ -115,15 +117,18 @@ static void walk_ring(ring *around, chord chords[2], const drawing *d, pc_index 
         bool forward = base_half(d, e) == h;
         int parity = frame_parity(d->param, f, forward ? k : (k + 1) % 3);
         if (is_cone(d, d->mesh->triangle[h])) cone_position = around->count;
-        add_vertex(around, d->mesh->triangle[h], (uint8_t)(1 << k | 1 << (k + 2) % 3));
+        append(around, d->mesh->triangle[h], 1 << k | 1 << (k + 2) % 3);
         for (int a = 0; a < points->count; a++) {
             int b = forward ? a : points->count - 1 - a, family = points->family[b] ^ parity;
             end[family][ends[family]++] = around->count;
-            add_vertex(around, points->first_vertex + (pc_index)b, (uint8_t)(1 << k));
+            append(around, points->first_vertex + (pc_index)b, 1 << k);
         }
     }
     for (int family = 0; family < 2 && is_drawable(d->param, f); family++)
         join_ends(&chords[family], end[family], ends[family], cone_position, around, d->overlay->mesh.position);
+    for (int i = 0; i < 4; i++)
+        if (chords[i / 2].present)
+            around->lines[chords[i / 2].end[i % 2]] |= (uint8_t)(1 << (CHORD_LINES + i / 2));
 }
 
 static bool chords_cross(const chord chords[2]) {
@@ -150,13 +155,14 @@ static bool is_pair(const drawn_pairs *pairs, pc_index a, pc_index b) {
 
 /* Cuts a ring along the line from position a to position b, by way of `through` unless that is PC_NONE. */
 static void cut_ring(ring *left, ring *right, const ring *whole, int a, int b, pc_index through) {
+    const int both = 3 << CHORD_LINES;
     left->count = right->count = 0;
     for (int i = 0; i < whole->count; i++) {
-        if (i <= a || i >= b) add_vertex(left, whole->vertex[i], whole->sides[i]);
-        if (i == a && through != PC_NONE) add_vertex(left, through, 0);
-        if (i >= a && i <= b) add_vertex(right, whole->vertex[i], whole->sides[i]);
+        if (i <= a || i >= b) append(left, whole->vertex[i], whole->lines[i]);
+        if (i == a && through != PC_NONE) append(left, through, both);
+        if (i >= a && i <= b) append(right, whole->vertex[i], whole->lines[i]);
     }
-    if (through != PC_NONE) add_vertex(right, through, 0);
+    if (through != PC_NONE) append(right, through, both);
 }
 
 static int position_of(const ring *around, pc_index vertex) {
@@ -172,36 +178,30 @@ static double ear_quality(const double *position, pc_index a, pc_index b, pc_ind
     return longest > 0 ? pc_norm(pc_cross(u, v)) / longest : 0;
 }
 
-/* The ear to clip: the best one whose diagonal does not run along a side of the scan face. Such a diagonal would have
- * no area on one side, and the face beyond that side might draw the same one. */
-static int best_ear(const ring *around, const double *position) {
-    int best = 0;
-    double best_quality = -1;
-    for (int i = 0; i < around->count; i++) {
-        int before = (i + around->count - 1) % around->count, after = (i + 1) % around->count;
-        if (around->count > 3 && (around->sides[before] & around->sides[after])) continue;
-        double quality =
-            ear_quality(position, around->vertex[before], around->vertex[i], around->vertex[after]);
-        if (quality > best_quality) best = i, best_quality = quality;
-    }
-    return best;
-}
-
-/* Triangulates a ring; writes triangles and their drawn half-edges from face *at on. */
+/* Triangulates a convex ring, best ear first; writes triangles and their drawn half-edges from face *at on. No cut joins
+ * two vertices of a line: it would lie on the line, and could be there already on its other side. A ring of three lines
+ * or more always has an ear left. */
 static void emit_ring(const drawing *d, ring around, const drawn_pairs *pairs, pc_index source, pc_index *at) {
     pc_overlay *o = d->overlay;
     while (around.count >= 3) {
-        int ear = best_ear(&around, o->mesh.position);
+        int best = 0;
+        double best_quality = -1;
+        for (int i = 0; i < around.count; i++) {
+            const pc_index *v = around.vertex;
+            int before = (i + around.count - 1) % around.count, after = (i + 1) % around.count;
+            if (around.count > 3 && (around.lines[before] & around.lines[after])) continue;
+            double quality = ear_quality(o->mesh.position, v[before], v[i], v[after]);
+            if (quality > best_quality) best = i, best_quality = quality;
+        }
         pc_index *t = o->mesh.triangle + 3 * (size_t)*at;
         for (int k = 0; k < 3; k++)
-            t[k] = around.vertex[(ear + around.count - 1 + k) % around.count];
+            t[k] = around.vertex[(best + around.count - 1 + k) % around.count];
         for (int k = 0; k < 3; k++)
             o->drawn[3 * (size_t)*at + (size_t)k] = is_pair(pairs, t[k], t[(k + 1) % 3]);
         o->source_face[(*at)++] = source;
         around.count--;
-        size_t rest = (size_t)(around.count - ear);
-        memmove(around.vertex + ear, around.vertex + ear + 1, sizeof(pc_index) * rest);
-        memmove(around.sides + ear, around.sides + ear + 1, rest);
+        memmove(around.vertex + best, around.vertex + best + 1, sizeof(pc_index) * (size_t)(around.count - best));
+        memmove(around.lines + best, around.lines + best + 1, (size_t)(around.count - best));
     }
 }
 

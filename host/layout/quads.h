@@ -7,7 +7,8 @@
 
 typedef enum pc_ngons {
     PC_NGONS_SPLIT, /* every cell becomes quads around its centre: quads only, no T-junctions */
-    PC_NGONS_KEEP   /* the cells themselves; T-junctions are listed by the polygons on both sides */
+    PC_NGONS_KEEP   /* the cells themselves; T-junctions are listed by the polygons on both sides. A cell whose rim comes
+                       by a node twice is split as above */
 } pc_ngons;
 
 /* All vertices lie on the scan. With PC_NGONS_SPLIT a cell of n sides gives n quads (its centre, two middles of sides,

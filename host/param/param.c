@@ -65,7 +65,7 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     stats->iterations = solved.iterations;
     for (size_t i = 0; i < 4 * (size_t)mesh->vertex_count; i++)
         param->phase[i] = (float)phase[i];
-    pc_reconstruct(param, mesh, adjacency, &coupling, phase);
+    PC_TRY(pc_reconstruct(param, ctx, device, mesh, adjacency, &coupling, phase));
     count_flags(stats, param);
     pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);

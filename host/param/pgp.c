@@ -1,5 +1,6 @@
 #include "pgp.h"
 #include "memory.h"
+#include "pgp_launch.h"
 #include "random.h"
 #include "vec3.h"
 #include <string.h>
@@ -16,15 +17,8 @@ static void put_entry(pc_system *system, pc_index at, int turn, double s, double
     system->turn[at] = (uint8_t)turn;
 }
 
-pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling,
-                          const double *mass, double shift) {
-    (void)device;
-    pc_status status = PC_OK;
-    const pc_index *slot = rows->slot;
-    PC_TRY(pc_system_make(system, ctx, PC_BLOCK_TURNED, mesh->vertex_count, 2 * (size_t)adjacency->edge_count));
-    memcpy(system->start, rows->start, sizeof(pc_index) * ((size_t)rows->row_count + 1));
-    memcpy(system->column, rows->column, sizeof(pc_index) * 2 * (size_t)rows->edge_count);
+static void assemble(pc_system *system, const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_index *slot,
+                     const pc_coupling *coupling) {
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         int turn = coupling->turn[e], back = pc_turn_back(turn);
@@ -34,13 +28,23 @@ pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device,
         pc_turn_pair(&s, &t, back);
         put_entry(system, slot[2 * (size_t)e + 1], back, -s, -t, weight);
     }
-    for (pc_index i = 0; i < mesh->vertex_count; i++)
-        system->diagonal[i] = shift * mass[i];
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         pc_index h = adjacency->edge_half[e];
         system->diagonal[pc_tail(mesh, h)] += coupling->weight[e];
         system->diagonal[pc_head(mesh, h)] += coupling->weight[e];
     }
+}
+
+pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling) {
+    pc_status status = PC_OK;
+    PC_TRY(pc_system_make(system, ctx, PC_BLOCK_TURNED, mesh->vertex_count, 2 * (size_t)adjacency->edge_count));
+    memcpy(system->start, rows->start, sizeof(pc_index) * ((size_t)rows->row_count + 1));
+    memcpy(system->column, rows->column, sizeof(pc_index) * 2 * (size_t)rows->edge_count);
+    if (pc_device_is_host(device))
+        assemble(system, mesh, adjacency, rows->slot, coupling);
+    else
+        PC_TRY(pc_pgp_launch_assemble(system, ctx, device, rows, coupling));
 done:
     if (status != PC_OK) pc_system_free(system, ctx);
     return status;
@@ -66,15 +70,15 @@ static void vertex_mass(double *mass, const pc_mesh *mesh) {
         if (mass[v] < least) mass[v] = least;
 }
 
-static void normalise(double *phase, pc_index count) {
+pc_status pc_pgp_normalise(double *phase, pc_context *ctx, pc_device *device, pc_index count) {
+    if (!pc_device_is_host(device)) return pc_pgp_launch_normalise(phase, ctx, device, count);
 #pragma omp parallel for schedule(static, GRAIN)
-    for (pc_index i = 0; i < 2 * count; i++) {
-        double *u = phase + 2 * (size_t)i, norm = sqrt(u[0] * u[0] + u[1] * u[1]);
-        if (norm > 1e-30)
-            u[0] /= norm, u[1] /= norm;
-        else
-            u[0] = 1, u[1] = 0;
+    for (size_t i = 0; i < 2 * (size_t)count; i++) {
+        double *u = phase + 2 * i, norm = sqrt(u[0] * u[0] + u[1] * u[1]);
+        u[0] = norm > 1e-30 ? u[0] / norm : 1;
+        u[1] = norm > 1e-30 ? u[1] / norm : 0;
     }
+    return PC_OK;
 }
 
 static void start_phases(double *phase, pc_index count, uint64_t seed) {
@@ -110,7 +114,7 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     pc_status status = PC_OK;
     pc_system system = {0};
     pc_solver *solver = NULL;
-    double *mass = NULL, *rhs = NULL;
+    double *mass = NULL, *rhs = NULL, *degree = NULL;
     const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
     pc_index n = mesh->vertex_count;
     *stats = (pc_pgp_stats){0};
@@ -118,12 +122,15 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     PC_TRY(pc_new(&rhs, ctx, 4 * (size_t)n));
     vertex_mass(mass, mesh);
     start_phases(phase, n, options->seed);
+    PC_TRY(pc_pgp_assemble(&system, ctx, device, mesh, adjacency, rows, coupling));
+    PC_TRY(pc_new(&degree, ctx, n));
+    memcpy(degree, system.diagonal, sizeof(double) * n);
     for (int step = 0; step < options->steps; step++) {
         double f = options->steps > 1 ? (double)step / (options->steps - 1) : 1;
         double reach = period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
         double shift = 1 / (reach * reach);
-        pc_system_free(&system, ctx);
-        PC_TRY(pc_pgp_assemble(&system, ctx, device, mesh, adjacency, rows, coupling, mass, shift));
+        for (pc_index i = 0; i < n; i++)
+            system.diagonal[i] = degree[i] + shift * mass[i];
         if (solver)
             PC_TRY(pc_solver_update(solver, ctx, &system));
         else
@@ -134,7 +141,7 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
         PC_TRY(pc_solver_solve(solver, ctx, phase, rhs, options->tolerance, &solved));
         stats->iterations += solved.iterations;
         stats->seconds_in_solver += solved.setup_seconds + solved.solve_seconds;
-        normalise(phase, n);
+        PC_TRY(pc_pgp_normalise(phase, ctx, device, n));
         pc_progress(ctx, (step + 1.0) / options->steps);
         PC_TRY(pc_check_interrupt(ctx));
     }
@@ -144,5 +151,6 @@ done:
     pc_system_free(&system, ctx);
     pc_free(ctx, mass);
     pc_free(ctx, rhs);
+    pc_free(ctx, degree);
     return status;
 }

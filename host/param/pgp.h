@@ -21,11 +21,13 @@ typedef struct pc_pgp_stats {
     double seconds_in_solver;
 } pc_pgp_stats;
 
-/* The system whose quadratic form is sum_e weight_e |M^r X_j - D(advance) X_i|^2 + shift sum_i mass_i |X_i|^2.
- * `system` is made by this call; mass holds one number per vertex. */
+/* The system whose quadratic form is sum_e weight_e |M^r X_j - D(advance) X_i|^2, made by this call: by the kernel
+ * pgp_assemble or, on the host device, in plain C; they agree to rounding. */
 pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling,
-                          const double *mass, double shift);
+                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling);
+
+/* U and V of each of `count` vertices brought to norm 1; zeros become 1. Kernel pgp_normalise or plain C. */
+pc_status pc_pgp_normalise(double *phase, pc_context *ctx, pc_device *device, pc_index count);
 
 /* Fills phase (4 per vertex, U and V of norm 1). No vertex is pinned: each step solves (A + M/reach^2) Y = M X/reach^2
  * and sets X = Y with U and V brought back to norm 1, which keeps the norms from decaying (the paper's penalty, digest

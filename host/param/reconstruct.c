@@ -1,4 +1,5 @@
 #include "reconstruct.h"
+#include "pgp_launch.h"
 #include "transition.h"
 #include "vec3.h"
 #include <stdlib.h>
@@ -11,8 +12,13 @@ int32_t pc_fixed_coordinate(double periods) {
     return fixed & (PC_PERIOD - 1);
 }
 
-static int32_t whole_periods(double advance, int64_t from, int64_t to) {
-    return (int32_t)lround(advance - (double)(to - from) / PC_PERIOD);
+/* The whole number nearest to advance - (to-from)/PC_PERIOD, halves away from zero, in integers: every device finds the
+ * same. */
+static int32_t whole_periods(float advance, int64_t from, int64_t to) {
+    float scaled = advance * PC_PERIOD, whole = floorf(scaled);
+    int64_t steps = (int64_t)whole - (to - from);
+    if (steps >= 0) return (int32_t)((steps + PC_PERIOD / 2) / PC_PERIOD);
+    return -(int32_t)((PC_PERIOD / 2 - steps - (scaled > whole)) / PC_PERIOD);
 }
 
 /* The shift of edge e that brings the jump closest to its advance, put on both half-edges. */
@@ -68,14 +74,19 @@ void pc_reconstruct_flags(pc_param *param, const pc_mesh *mesh) {
     }
 }
 
-void pc_reconstruct(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
-                    const pc_coupling *coupling, const double *phase) {
+pc_status pc_reconstruct(pc_param *param, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+                         const pc_adjacency *adjacency, const pc_coupling *coupling, const double *phase) {
+    pc_status status = PC_OK;
+    if (pc_device_is_host(device)) {
 #pragma omp parallel for schedule(static, GRAIN)
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        for (int k = 0; k < 2; k++) {
-            const double *u = phase + 4 * (size_t)v + 2 * k;
-            param->coordinate[2 * (size_t)v + k] = pc_fixed_coordinate(atan2(u[1], u[0]) / (2 * PC_PI));
-        }
-    pc_reconstruct_shifts(param, mesh, adjacency, coupling);
+        for (size_t i = 0; i < 2 * (size_t)mesh->vertex_count; i++)
+            param->coordinate[i] = pc_fixed_coordinate(atan2(phase[2 * i + 1], phase[2 * i]) / (2 * PC_PI));
+        pc_reconstruct_shifts(param, mesh, adjacency, coupling);
+    } else {
+        PC_TRY(pc_pgp_launch_coordinates(param->coordinate, ctx, device, phase, mesh->vertex_count));
+        PC_TRY(pc_pgp_launch_shifts(param, ctx, device, mesh, adjacency, coupling));
+    }
     pc_reconstruct_flags(param, mesh);
+done:
+    return status;
 }
