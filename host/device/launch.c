@@ -111,7 +111,7 @@ pc_status pc_buffer_make(pc_buffer **buffer, pc_context *ctx, pc_device *device,
 pc_status pc_buffer_zeroed(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes) {
     const cl_uint zero = 0;
     pc_status status = pc_buffer_make(buffer, ctx, device, (bytes + 3) / 4 * 4);
-    if (status != PC_OK || bytes == 0) return status;
+    if (status != PC_OK || bytes == 0 || !*buffer) return status;
     cl_int error = clEnqueueFillBuffer(device->queue, (*buffer)->handle, &zero, sizeof zero, 0,
                                        (*buffer)->bytes, 0, NULL, NULL);
     if (error == CL_SUCCESS) return PC_OK;
@@ -123,7 +123,7 @@ pc_status pc_buffer_zeroed(pc_buffer **buffer, pc_context *ctx, pc_device *devic
 pc_status pc_buffer_from(pc_buffer **buffer, pc_context *ctx, pc_device *device, const void *from,
                          size_t bytes) {
     pc_status status = pc_buffer_make(buffer, ctx, device, bytes);
-    if (status != PC_OK) return status;
+    if (status != PC_OK || !*buffer) return status;
     status = pc_buffer_write(*buffer, ctx, 0, from, bytes);
     if (status != PC_OK) {
         pc_buffer_free(*buffer, ctx);

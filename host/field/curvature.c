@@ -24,11 +24,12 @@ static double noise_coherence(int passes) {
 static void set_levels(pc_normalcycle *work, double radius, const pc_curvature_options *options) {
     work->level_count = options->levels < 1 ? 1 : options->levels;
     if (work->level_count > PC_NORMALCYCLE_LEVELS) work->level_count = PC_NORMALCYCLE_LEVELS;
-    for (int k = 0; k < work->level_count; k++, radius *= 2) {
+    for (int k = 0; k < work->level_count; k++) {
         double rings = work->step > 0 ? radius / work->step : 0;
         int passes = 1 + (int)fmin(rings * rings / 1.71, 1000);
         double flat = radius > 0 ? options->flatness / radius : 0;
         work->level[k] = (pc_normalcycle_level){passes, flat, noise_coherence(passes)};
+        radius *= 2;
     }
 }
 

@@ -38,7 +38,7 @@ typedef struct pc_field_options {
     pc_solver_options solver;
 } pc_field_options;
 #define PC_FIELD_DEFAULTS                                                                                    \
-    { 4, 0.8, 0, 10.0, 5.0, 100.0, PC_BORDERS_AUTO, 4, 1e-4, PC_SOLVER_DEFAULTS }
+    { 4, 0.8, 0, 10.0, 7.0, 60.0, PC_BORDERS_AUTO, 4, 1e-4, PC_SOLVER_DEFAULTS }
 
 /* The field of least (1-rho) sum A_i w_i |z_i - z0_i|^2 + rho l^2 sum lambda_e |z_j - Rot z_i|^2 over z =
  * exp(i N alpha) with |z| = 1 (Li, thesis D.4, eq. D.19, D.20 as corrected in the digest: angles are

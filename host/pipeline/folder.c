@@ -3,8 +3,10 @@
 #include "run.h"
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -79,11 +81,27 @@ done:
     return status;
 }
 
-pc_status pc_folder_prepare(pc_context *ctx, const char *folder, bool resume, bool force) {
+static pc_status take_lock(int *lock, pc_context *ctx, const char *folder) {
+    *lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (*lock < 0 || flock(*lock, LOCK_EX | LOCK_NB) == 0) return PC_OK;
+    bool taken = errno == EWOULDBLOCK;
+    pc_folder_release(*lock);
+    *lock = -1;
+    if (!taken) return PC_OK;
+    return pc_fail(ctx, PC_E_USAGE, "%s: another run is at work there; wait for it, or choose another folder",
+                   folder);
+}
+
+void pc_folder_release(int lock) {
+    if (lock >= 0) (void)close(lock);
+}
+
+pc_status pc_folder_prepare(int *lock, pc_context *ctx, const char *folder, bool resume, bool force) {
     size_t count;
     bool has_stages;
     char *stages = NULL;
     pc_status status = PC_OK;
+    *lock = -1;
     PC_TRY(count_entries(&count, &has_stages, ctx, folder));
     if (count > 0 && !force && !(resume && has_stages)) {
         status =
@@ -96,6 +114,7 @@ pc_status pc_folder_prepare(pc_context *ctx, const char *folder, bool resume, bo
         goto done;
     }
     PC_TRY(make_with_parents(ctx, folder));
+    PC_TRY(take_lock(lock, ctx, folder));
     PC_TRY(pc_folder_join(&stages, ctx, folder, PC_OUT_STAGES, ""));
     PC_TRY(make_one(ctx, stages));
     PC_TRY(remove_earlier(ctx, folder, stages, resume));

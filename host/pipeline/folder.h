@@ -13,8 +13,10 @@
 pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,
                          const char *ending);
 /* Makes the folder and those above it, and `stages` in it. PC_E_USAGE where it holds anything, unless `force`
- * is set, or `resume` and it is the folder of an earlier run. Files that an export wrote there are removed;
- * stage files too unless `resume`. PC_E_IO. */
-pc_status pc_folder_prepare(pc_context *ctx, const char *folder, bool resume, bool force);
+ * is set, or `resume` and it is the folder of an earlier run; also where another run is at work there. Files
+ * that an export wrote there are removed; stage files too unless `resume`. PC_E_IO. `*lock` keeps other runs
+ * out until it is released or the process ends; it is -1 where the file system knows no locks. */
+pc_status pc_folder_prepare(int *lock, pc_context *ctx, const char *folder, bool resume, bool force);
+void pc_folder_release(int lock);
 
 #endif

@@ -21,7 +21,8 @@ typedef struct attempt {
 
 static pc_status parameterize(pc_run *run, double period, pc_param_stats *stats) {
     pc_held *p = &run->product;
-    const pc_param_options options = {.period_length = period, .seed = run->options->seed};
+    pc_param_options options = PC_PARAM_DEFAULTS;
+    options.period_length = period, options.seed = run->options->seed;
     const double *scale = pc_stage_wanted(PC_STAGE_CURL, run->options) ? p->scale : NULL;
     pc_layout_free(&p->layout, run->ctx);
     pc_param_free(&p->param, run->ctx);

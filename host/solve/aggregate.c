@@ -38,7 +38,7 @@ PC_ALWAYS_INLINE double way_round(pc_block_form form, const pc_blockval *ik, con
         if (((ik->turn + kj->turn - ij->turn) & 3) != 0) return 0;
         pc_turn_diagonal(moved, ik->turn, kj->v);
     }
-    for (int h = 0; h < pc_form_size(form); h += 2) {
+    for (int h = 0; h < (form == PC_FORM_TURNED ? 4 : 2); h += 2) {
         double re = ik->v[h] * moved[h] - ik->v[h + 1] * moved[h + 1];
         double im = ik->v[h] * moved[h + 1] + ik->v[h + 1] * moved[h];
         sum -= re * ij->v[h] + im * ij->v[h + 1];
@@ -96,7 +96,7 @@ PC_ALWAYS_INLINE void find_strong_row(pc_block_form form, float *size, uint8_t *
 /* The sizes of strong couplings (0 for the others), and the rows that take part. */
 static void find_strong(float *size, uint8_t *eligible, const pc_blockmat *a, double threshold) {
 #define ROW(form, i) find_strong_row(form, size, eligible, a, threshold, i)
-    PC_EACH_ROW(a->form, a->row_count, ROW)
+    PC_EACH_ROW(a->form, a->row_count, ROW);
 #undef ROW
 }
 
@@ -345,7 +345,7 @@ pc_status pc_aggregates_transport(pc_blockmat *tentative, pc_context *ctx, const
     PC_TRY(pc_new(&f.value, ctx, size * matrix->row_count));
     if (form == PC_FORM_TURNED) PC_TRY(pc_new(&f.turn, ctx, matrix->row_count));
 #define GROUP(form_of, group) transport(form_of, &f, matrix, aggregates, group)
-    PC_EACH_ROW(form, aggregates->count, GROUP)
+    PC_EACH_ROW(form, aggregates->count, GROUP);
 #undef GROUP
     PC_TRY(pc_blockmat_make(tentative, ctx, pc_form_coarse(form), matrix->row_count, aggregates->count,
                             aggregates->start[aggregates->count], false));

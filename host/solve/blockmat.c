@@ -132,31 +132,31 @@ PC_ALWAYS_INLINE void first_row(pc_block_form form, float *x, float *d, const pc
 
 void pc_blockmat_apply(float *y, const pc_blockmat *matrix, const float *x) {
 #define ROW(form, i) apply_row(form, y, matrix, x, NULL, STORE, i)
-    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW);
 #undef ROW
 }
 
 void pc_blockmat_add(float *y, const pc_blockmat *transfer, const float *x) {
 #define ROW(form, i) apply_row(form, y, transfer, x, NULL, ADD, i)
-    PC_EACH_ROW(transfer->form, transfer->row_count, ROW)
+    PC_EACH_ROW(transfer->form, transfer->row_count, ROW);
 #undef ROW
 }
 
 void pc_blockmat_residual(float *r, const pc_blockmat *matrix, const float *b, const float *x) {
 #define ROW(form, i) apply_row(form, r, matrix, x, b, SUBTRACT, i)
-    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW);
 #undef ROW
 }
 
 void pc_blockmat_smooth(float *x_new, float *d, const pc_blockmat *matrix, const float *b, const float *x,
                         float alpha, float beta) {
 #define ROW(form, i) smooth_row(form, x_new, d, matrix, b, x, alpha, beta, i)
-    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW);
 #undef ROW
 }
 
 void pc_blockmat_smooth_first(float *x, float *d, const pc_blockmat *matrix, const float *b, float beta) {
 #define ROW(form, i) first_row(form, x, d, matrix, b, beta, i)
-    PC_EACH_ROW(matrix->form, matrix->row_count, ROW)
+    PC_EACH_ROW(matrix->form, matrix->row_count, ROW);
 #undef ROW
 }

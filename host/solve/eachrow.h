@@ -10,19 +10,11 @@
     _Pragma("omp parallel for schedule(static)") for (pc_index row_of_loop = 0; row_of_loop < (rows);        \
                                                       row_of_loop++) CALL(FORM, row_of_loop)
 #define PC_EACH_ROW(form, rows, CALL)                                                                        \
-    switch (form) {                                                                                          \
-    case PC_FORM_SCALAR:                                                                                     \
-        PC_ROWS_OF(PC_FORM_SCALAR, rows, CALL);                                                              \
-        break;                                                                                               \
-    case PC_FORM_COMPLEX:                                                                                    \
-        PC_ROWS_OF(PC_FORM_COMPLEX, rows, CALL);                                                             \
-        break;                                                                                               \
-    case PC_FORM_TURNED:                                                                                     \
-        PC_ROWS_OF(PC_FORM_TURNED, rows, CALL);                                                              \
-        break;                                                                                               \
-    case PC_FORM_DENSE:                                                                                      \
-        PC_ROWS_OF(PC_FORM_DENSE, rows, CALL);                                                               \
-        break;                                                                                               \
-    }
+    do {                                                                                                     \
+        if ((form) == PC_FORM_SCALAR) PC_ROWS_OF(PC_FORM_SCALAR, rows, CALL);                                \
+        if ((form) == PC_FORM_COMPLEX) PC_ROWS_OF(PC_FORM_COMPLEX, rows, CALL);                              \
+        if ((form) == PC_FORM_TURNED) PC_ROWS_OF(PC_FORM_TURNED, rows, CALL);                                \
+        if ((form) == PC_FORM_DENSE) PC_ROWS_OF(PC_FORM_DENSE, rows, CALL);                                  \
+    } while (0)
 
 #endif

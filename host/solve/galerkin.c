@@ -187,7 +187,7 @@ static pc_status multiply(product *p, pc_context *ctx) {
     for (int t = 0; t < threads; t++)
         PC_TRY(pc_new(&rows[t].sum, ctx, (size_t)largest * (size_t)pc_form_size(form)));
 #define ROW(form_of, i) fill_row(form_of, rows, p, i)
-    PC_EACH_ROW(p->a->form, n, ROW)
+    PC_EACH_ROW(p->a->form, n, ROW);
 #undef ROW
 done:
     for (int t = 0; rows && t < threads; t++) {

@@ -3,8 +3,8 @@
 /* A block's sum is one number; groups of blocks bound the partial sums that are kept. */
 enum { BLOCK = 2048, GROUP = 512 };
 
-/* Sums `term` over i in [0,n), blocks in parallel, in an order that only n decides. */
-#define BLOCKED_SUM(result, n, i, term)                                                                      \
+/* Sums `term`, which may use i, over i in [0,n), blocks in parallel, in an order that only n decides. */
+#define BLOCKED_SUM(result, n, term)                                                                         \
     do {                                                                                                     \
         (result) = 0;                                                                                        \
         for (size_t group = 0; group < (n); group += (size_t)BLOCK * GROUP) {                                \
@@ -26,7 +26,7 @@ enum { BLOCK = 2048, GROUP = 512 };
 
 double pc_hostvec_dot(const double *x, const double *y, size_t n) {
     double result;
-    BLOCKED_SUM(result, n, i, x[i] * y[i]);
+    BLOCKED_SUM(result, n, x[i] * y[i]);
     return result;
 }
 
@@ -38,7 +38,7 @@ static inline double step(double *x, double *r, double p, double q, double alpha
 
 double pc_hostvec_step(double *x, double *r, const double *p, const double *q, double alpha, size_t n) {
     double result;
-    BLOCKED_SUM(result, n, i, step(&x[i], &r[i], p[i], q[i], alpha));
+    BLOCKED_SUM(result, n, step(&x[i], &r[i], p[i], q[i], alpha));
     return result;
 }
 
@@ -55,7 +55,7 @@ static inline double residual(double *r, double b) {
 
 double pc_hostvec_residual(double *r, const double *b, size_t n) {
     double result;
-    BLOCKED_SUM(result, n, i, residual(&r[i], b[i]));
+    BLOCKED_SUM(result, n, residual(&r[i], b[i]));
     return result;
 }
 
@@ -68,7 +68,7 @@ double pc_hostvec_jacobi(double *z, const double *r, const double *diagonal, pc_
     double result;
     size_t n = (size_t)rows * (size_t)width;
     int shift = width == 1 ? 0 : width == 2 ? 1 : 2;
-    BLOCKED_SUM(result, n, i, divide(&z[i], r[i], diagonal[i >> shift]));
+    BLOCKED_SUM(result, n, divide(&z[i], r[i], diagonal[i >> shift]));
     return result;
 }
 

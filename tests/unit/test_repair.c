@@ -152,7 +152,7 @@ static void two_cubes(pc_mesh *mesh, pc_context *ctx, pc_vec3 shift) {
         mesh->triangle[i] = CUBE_FACES[i], mesh->triangle[36 + i] = CUBE_FACES[i] + 8;
     for (pc_index i = 36; i < 72; i++)
         for (pc_index v = 0; v < 8; v++)
-            if (memcmp(mesh->position + 3 * v, mesh->position + 3 * mesh->triangle[i], 3 * sizeof(double)) ==
+            if (pc_distance(pc_vec3_at(mesh->position, v), pc_vec3_at(mesh->position, mesh->triangle[i])) ==
                 0)
                 mesh->triangle[i] = v;
 }

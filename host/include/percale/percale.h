@@ -8,12 +8,39 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <string.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+#include "certificate.h"
+#include "curl.h"
+#include "curvature.h"
+#include "device.h"
+#include "field.h"
+#include "geometry.h"
+#include "inspect.h"
+#include "layout.h"
+#include "memory.h"
+#include "order.h"
+#include "param.h"
+#include "parts.h"
+#include "png_file.h"
+#include "polyfile.h"
+#include "products.h"
+#include "quads.h"
+#include "quality.h"
+#include "refine.h"
+#include "repair.h"
 #include "run.h"
+#include "scan.h"
+#include "scene.h"
+#include "store.h"
+#include "topology.h"
+#include "version.h"
+#include "vtkhdf.h"
 
 #ifdef __cplusplus
 }

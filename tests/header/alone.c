@@ -1,0 +1,2 @@
+/* Compiled with one header in front of it. */
+extern int pc_header_alone;
