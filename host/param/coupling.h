@@ -15,7 +15,7 @@ typedef struct pc_coupling {
     float *weight;   /* (cot + cot)/2 of the angles opposite, kept within [0.05, 20] so that it stays a metric */
 } pc_coupling;
 
-/* Advances for cells of side `period_length`; `scale` (per vertex, in (0,1]) stretches them, NULL: 1 everywhere.
+/* Advances for cells of side `period_length`; `scale` (per vertex, positive) multiplies them, NULL: 1 everywhere.
  * Computed by the kernel pgp_couple, or by its plain-C twin on the host device. The caller frees. */
 pc_status pc_coupling_make(pc_coupling *coupling, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                            const pc_adjacency *adjacency, const pc_field *field, const double *scale,

@@ -43,7 +43,7 @@ static void fill_system(pc_system *system, double *rhs, const pc_mesh *mesh, con
 
 /* Corners of a singular triangle are drawn to where its cone wants them. The cone stands at the centroid. */
 static void pull_to_cones(pc_system *system, double *rhs, const pc_mesh *mesh, const pc_param *param,
-                          const pc_field *field) {
+                          const pc_field *field, const double *scale) {
     for (pc_index f = 0; f < mesh->face_count; f++) {
         pc_point2 cone;
         if (param->singular[f] != PC_FIELD_SINGULARITY || !pc_cone_point(&cone, param, f)) continue;
@@ -58,8 +58,9 @@ static void pull_to_cones(pc_system *system, double *rhs, const pc_mesh *mesh, c
             pc_point2 goal = pc_transition_apply(to[k], cone);
             pc_vec3 way = pc_sub(centre, pc_vec3_at(mesh->position, v)), along = pc_vec3_at(field->direction, v);
             pc_vec3 across = pc_cross(pc_vec3_at(field->normal, v), along);
-            double s = (double)(goal.s - param->coordinate[2 * v]) / PC_PERIOD - pc_dot(way, along) / param->period_length;
-            double t = (double)(goal.t - param->coordinate[2 * v + 1]) / PC_PERIOD - pc_dot(way, across) / param->period_length;
+            double cells = (scale ? scale[v] : 1) / param->period_length;
+            double s = (double)(goal.s - param->coordinate[2 * v]) / PC_PERIOD - pc_dot(way, along) * cells;
+            double t = (double)(goal.t - param->coordinate[2 * v + 1]) / PC_PERIOD - pc_dot(way, across) * cells;
             system->diagonal[v] += CONE_WEIGHT;
             rhs[2 * v] += CONE_WEIGHT * s, rhs[2 * v + 1] += CONE_WEIGHT * t;
         }
@@ -67,7 +68,7 @@ static void pull_to_cones(pc_system *system, double *rhs, const pc_mesh *mesh, c
 }
 
 pc_status pc_integrate(pc_param *param, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                       const pc_adjacency *adjacency, const pc_coupling *coupling, const pc_edge_rows *rows, const pc_field *field,
+                       const pc_adjacency *adjacency, const pc_coupling *coupling, const pc_edge_rows *rows, const pc_field *field, const double *scale,
                        double tolerance, pc_index *iterations) {
     pc_status status = PC_OK;
     pc_system system = {0};
@@ -81,7 +82,7 @@ pc_status pc_integrate(pc_param *param, pc_context *ctx, pc_device *device, cons
     memcpy(system.start, rows->start, sizeof(pc_index) * ((size_t)n + 1));
     memcpy(system.column, rows->column, sizeof(pc_index) * 2 * (size_t)adjacency->edge_count);
     fill_system(&system, rhs, mesh, adjacency, rows->slot, coupling, param);
-    pull_to_cones(&system, rhs, mesh, param, field);
+    pull_to_cones(&system, rhs, mesh, param, field, scale);
     /* Without singularities a constant can be added: a hair of the diagonal settles it. */
     for (pc_index i = 0; i < n; i++)
         system.diagonal[i] = system.diagonal[i] > 0 ? system.diagonal[i] * (1 + 1e-7) : 1;

@@ -12,7 +12,7 @@
  * PGP leaves the strain of every dislocation at one spot; this spreads it as evenly as it can be. Flags and shifts are
  * not touched. */
 pc_status pc_integrate(pc_param *param, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                       const pc_adjacency *adjacency, const pc_coupling *coupling, const pc_edge_rows *rows, const pc_field *field,
+                       const pc_adjacency *adjacency, const pc_coupling *coupling, const pc_edge_rows *rows, const pc_field *field, const double *scale,
                        double tolerance, pc_index *iterations);
 
 #endif

@@ -43,8 +43,8 @@ typedef struct pc_param_stats {
     pc_index dislocations, field_singularities, flipped; /* faces */
 } pc_param_stats;
 
-/* Periodic global parameterization along `field` (digest C20-C27). `scale`: per vertex in (0,1], the curl correction
- * (C19), or NULL. PC_E_MESH names an edge that is too long for the period. */
+/* Periodic global parameterization along `field` (digest C20-C27). `scale`: per vertex, what the side of a cell
+ * is divided by there (curl correction C19, local refinement), or NULL. PC_E_MESH names an edge that is too long for the period. */
 pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx, pc_device *device,
                         const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_field *field,
                         const double *scale, const pc_param_options *options);
