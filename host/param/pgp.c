@@ -2,6 +2,7 @@
 #include "memory.h"
 #include "pgp_launch.h"
 #include "random.h"
+#include "topology.h"
 #include "vec3.h"
 #include <string.h>
 
@@ -70,6 +71,24 @@ static void vertex_mass(double *mass, const pc_mesh *mesh) {
         if (mass[v] < least) mass[v] = least;
 }
 
+/* Per vertex the least shift: a reach beyond the vertex's component serves nothing and leaves a singular system. */
+static pc_status least_shifts(double *least, pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency) {
+    pc_status status = PC_OK;
+    pc_topology topology = {0};
+    double total = 0;
+    PC_TRY(pc_topology_make(&topology, ctx, mesh, adjacency));
+    for (pc_index c = 0; c < topology.component_count; c++)
+        total += topology.component[c].area;
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        double area = fmax(topology.component[topology.face_component[f]].area, 1e-12 * total);
+        for (int k = 0; k < 3; k++)
+            least[mesh->triangle[3 * (size_t)f + (size_t)k]] = area > 0 ? 0.25 / area : 0;
+    }
+done:
+    pc_topology_free(&topology, ctx);
+    return status;
+}
+
 pc_status pc_pgp_normalise(double *phase, pc_context *ctx, pc_device *device, pc_index count) {
     if (!pc_device_is_host(device)) return pc_pgp_launch_normalise(phase, ctx, device, count);
 #pragma omp parallel for schedule(static, GRAIN)
@@ -114,7 +133,7 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     pc_status status = PC_OK;
     pc_system system = {0};
     pc_solver *solver = NULL;
-    double *mass = NULL, *rhs = NULL, *degree = NULL;
+    double *mass = NULL, *rhs = NULL, *degree = NULL, *least = NULL;
     const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
     pc_index n = mesh->vertex_count;
     *stats = (pc_pgp_stats){0};
@@ -124,19 +143,21 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     start_phases(phase, n, options->seed);
     PC_TRY(pc_pgp_assemble(&system, ctx, device, mesh, adjacency, rows, coupling));
     PC_TRY(pc_new(&degree, ctx, n));
+    PC_TRY(pc_new(&least, ctx, n));
+    PC_TRY(least_shifts(least, ctx, mesh, adjacency));
     memcpy(degree, system.diagonal, sizeof(double) * n);
     for (int step = 0; step < options->steps; step++) {
         double f = options->steps > 1 ? (double)step / (options->steps - 1) : 1;
         double reach = period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
         double shift = 1 / (reach * reach);
         for (pc_index i = 0; i < n; i++)
-            system.diagonal[i] = degree[i] + shift * mass[i];
+            system.diagonal[i] = degree[i] + fmax(shift, least[i]) * mass[i];
         if (solver)
             PC_TRY(pc_solver_update(solver, ctx, &system));
         else
             PC_TRY(pc_solver_make(&solver, ctx, device, &system, &solver_options));
         for (size_t i = 0; i < 4 * (size_t)n; i++)
-            rhs[i] = shift * mass[i / 4] * phase[i];
+            rhs[i] = fmax(shift, least[i / 4]) * mass[i / 4] * phase[i];
         pc_solver_stats solved;
         PC_TRY(pc_solver_solve(solver, ctx, phase, rhs, options->tolerance, &solved));
         stats->iterations += solved.iterations;
@@ -152,5 +173,6 @@ done:
     pc_free(ctx, mass);
     pc_free(ctx, rhs);
     pc_free(ctx, degree);
+    pc_free(ctx, least);
     return status;
 }

@@ -1,6 +1,5 @@
 /* Layouts are closed cell complexes with the scan's topology, of good parameterizations and of garbage alike.
  */
-#include <stdlib.h>
 #include "bvh.h"
 #include "layout.h"
 #include "param_testing.h"
@@ -99,7 +98,6 @@ static void layouts_of_parameterizations(void **state) {
             pc_param_options options = PC_PARAM_DEFAULTS;
             options.period_length = factors[k] * s.longest_edge;
             const trial t = {ctx, &s, &param, "parameterized", kind, k};
-            if (getenv("VERBOSE")) fprintf(stderr, "kind %d factor %g\n", kind, factors[k]);
             assert_ok(ctx, pc_param_make(&param, &stats, ctx, host, &s.mesh, &s.adjacency, &s.field, NULL,
                                          &options));
             assert_ok(ctx, pc_param_check(&param, ctx, &s.mesh, &s.adjacency));
@@ -192,8 +190,6 @@ static void layouts_of_garbage(void **state) {
         pc_param param;
         int kind = (int)(seed % 7);
         const trial t = {ctx, &s, &param, "garbage", kind, seed};
-        if (getenv("ONLY") && seed != strtoull(getenv("ONLY"), NULL, 10)) continue;
-        if (getenv("VERBOSE")) fprintf(stderr, "seed %d\n", (int)seed);
         make_small_mesh(&s.mesh, ctx, kind, seed / 7);
         measure_shape(&s, ctx);
         make_garbage(&param, ctx, &s, seed / 7);
