@@ -44,8 +44,8 @@ static pc_status attempt(remeshing *r, double period) {
     options.period_length = period, options.seed = r->options->seed;
     pc_layout_free(r->layout, r->ctx);
     pc_param_free(r->param, r->ctx);
-    pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency, r->field,
-                                     r->scale, &options);
+    pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
+                                     r->field, r->scale, &options);
     if (status == PC_OK) status = pc_layout_make(r->layout, &r->stats->layout, r->ctx, r->mesh, r->param);
     return status;
 }
@@ -60,11 +60,13 @@ static pc_status look(remeshing *r, double *count, double period, bool refine) {
     r->stats->wanting = 0;
     *count = (double)pc_quads_count(r->layout, r->options->ngons);
     if (!refine) return PC_OK;
-    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, r->mesh, r->adjacency));
+    PC_TRY(
+        pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, r->mesh, r->adjacency));
     *count = quads.face_count;
     sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? period / 2 : period;
     sizing.period_length = period;
-    PC_TRY(pc_sizing_update(r->scale, &r->stats->wanting, r->ctx, r->mesh, r->adjacency, &quads, folded, &sizing));
+    PC_TRY(pc_sizing_update(r->scale, &r->stats->wanting, r->ctx, r->mesh, r->adjacency, &quads, folded,
+                            &sizing));
 done:
     pc_polymesh_free(&quads, r->ctx);
     pc_free(r->ctx, folded);
@@ -75,14 +77,16 @@ done:
 static void limit_scale(remeshing *r, double period) {
     for (pc_index e = 0; e < r->adjacency->edge_count; e++) {
         pc_index h = r->adjacency->edge_half[e], a = pc_tail(r->mesh, h), b = pc_head(r->mesh, h);
-        double most = 0.48 * period / pc_distance(pc_vec3_at(r->mesh->position, a), pc_vec3_at(r->mesh->position, b));
+        double most =
+            0.48 * period / pc_distance(pc_vec3_at(r->mesh->position, a), pc_vec3_at(r->mesh->position, b));
         r->scale[a] = fmin(r->scale[a], most), r->scale[b] = fmin(r->scale[b], most);
     }
 }
 
 static pc_status search(remeshing *r) {
     pc_status status = PC_OK;
-    double period = r->options->period_length, wanted = r->options->quads, best_miss = INFINITY, best_period = period;
+    double period = r->options->period_length, wanted = r->options->quads, best_miss = INFINITY,
+           best_period = period;
     int tries_for_count = 0;
     for (r->stats->tries = 1;; r->stats->tries++) {
         double count;
@@ -106,7 +110,8 @@ static pc_status search(remeshing *r) {
             if (best_period != period) status = attempt(r, best_period);
             break;
         }
-        r->stats->refinements = r->options->refinements; /* sizes are settled: only the density is sought now */
+        r->stats->refinements =
+            r->options->refinements; /* sizes are settled: only the density is sought now */
         period *= sqrt(count / wanted);
     }
 done:

@@ -20,7 +20,8 @@ static pc_status want_by_distance(double *want, pc_context *ctx, const pc_mesh *
     for (pc_index v = 0; v < scan->vertex_count; v++) {
         double limit = options->reach * options->edge_length / scale[v];
         if (hits[v].face == PC_NONE || hits[v].distance > limit)
-            want[v] = hits[v].face == PC_NONE ? options->growth : fmin(hits[v].distance / limit + 0.2, options->growth);
+            want[v] = hits[v].face == PC_NONE ? options->growth
+                                              : fmin(hits[v].distance / limit + 0.2, options->growth);
     }
 done:
     pc_free(ctx, hits);
@@ -45,7 +46,8 @@ static pc_status want_by_folds(double *want, pc_context *ctx, const pc_mesh *sca
     return status;
 }
 
-/* No vertex is coarser than its neighbour by more than the gradation allows: sweeps there and back until that holds. */
+/* No vertex is coarser than its neighbour by more than the gradation allows: sweeps there and back until that
+ * holds. */
 static void grade(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency, double length) {
     for (int sweep = 0; sweep < MOST_SWEEPS; sweep++) {
         bool changed = false;
@@ -62,7 +64,8 @@ static void grade(double *scale, const pc_mesh *scan, const pc_adjacency *adjace
 }
 
 /* PGP cannot take edges of half a period: such an edge limits the scale at both its ends. */
-static void limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency, double period_length) {
+static void limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency,
+                           double period_length) {
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         pc_index a = pc_tail(scan, adjacency->edge_half[e]), b = pc_head(scan, adjacency->edge_half[e]);
         double along = pc_distance(pc_vec3_at(scan->position, a), pc_vec3_at(scan->position, b));

@@ -1,12 +1,13 @@
 #include "integrate.h"
 #include "cone.h"
 #include "memory.h"
-#include "vec3.h"
 #include "transition.h"
+#include "vec3.h"
 #include <string.h>
 
 enum { GRAIN = 4096 };
-static const double CONE_WEIGHT = 1.7; /* that of the three edges to the centroid of an equilateral triangle */
+static const double CONE_WEIGHT =
+    1.7; /* that of the three edges to the centroid of an equilateral triangle */
 
 /* z = s + i t turns by (-i)^turn. */
 static void turned_unit(double unit[2], int turn) {
@@ -21,7 +22,8 @@ static void put_coupling(pc_system *system, pc_index at, int turn, double weight
     system->value[2 * (size_t)at + 1] = -weight * unit[1];
 }
 
-/* Rows of the normal equations and their right-hand side, both in periods, for the change of the coordinates. */
+/* Rows of the normal equations and their right-hand side, both in periods, for the change of the coordinates.
+ */
 static void fill_system(pc_system *system, double *rhs, const pc_mesh *mesh, const pc_adjacency *adjacency,
                         const pc_index *slot, const pc_coupling *coupling, const pc_param *param) {
     const int32_t *c = param->coordinate;
@@ -56,11 +58,13 @@ static void pull_to_cones(pc_system *system, double *rhs, const pc_mesh *mesh, c
         for (int k = 0; k < 3; k++) {
             size_t v = corner[k];
             pc_point2 goal = pc_transition_apply(to[k], cone);
-            pc_vec3 way = pc_sub(centre, pc_vec3_at(mesh->position, v)), along = pc_vec3_at(field->direction, v);
+            pc_vec3 way = pc_sub(centre, pc_vec3_at(mesh->position, v)),
+                    along = pc_vec3_at(field->direction, v);
             pc_vec3 across = pc_cross(pc_vec3_at(field->normal, v), along);
             double cells = (scale ? scale[v] : 1) / param->period_length;
             double s = (double)(goal.s - param->coordinate[2 * v]) / PC_PERIOD - pc_dot(way, along) * cells;
-            double t = (double)(goal.t - param->coordinate[2 * v + 1]) / PC_PERIOD - pc_dot(way, across) * cells;
+            double t =
+                (double)(goal.t - param->coordinate[2 * v + 1]) / PC_PERIOD - pc_dot(way, across) * cells;
             system->diagonal[v] += CONE_WEIGHT;
             rhs[2 * v] += CONE_WEIGHT * s, rhs[2 * v + 1] += CONE_WEIGHT * t;
         }
@@ -68,8 +72,8 @@ static void pull_to_cones(pc_system *system, double *rhs, const pc_mesh *mesh, c
 }
 
 pc_status pc_integrate(pc_param *param, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                       const pc_adjacency *adjacency, const pc_coupling *coupling, const pc_edge_rows *rows, const pc_field *field, const double *scale,
-                       double tolerance, pc_index *iterations) {
+                       const pc_adjacency *adjacency, const pc_coupling *coupling, const pc_edge_rows *rows,
+                       const pc_field *field, const double *scale, double tolerance, pc_index *iterations) {
     pc_status status = PC_OK;
     pc_system system = {0};
     pc_solver *solver = NULL;

@@ -28,8 +28,9 @@ static pc_status check_edges(pc_context *ctx, const pc_mesh *mesh, const pc_adja
         double length = pc_distance(pc_vec3_at(mesh->position, i), pc_vec3_at(mesh->position, j));
         double side = period_length / (scale ? fmax(scale[i], scale[j]) : 1);
         if (length >= 0.499 * side)
-            return pc_fail(ctx, PC_E_MESH, "edge %u-%u is %g long, too long for cells of side %g: refine first", i, j,
-                           length, side);
+            return pc_fail(ctx, PC_E_MESH,
+                           "edge %u-%u is %g long, too long for cells of side %g: refine first", i, j, length,
+                           side);
     }
     return PC_OK;
 }
@@ -60,29 +61,33 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     PC_TRY(pc_edge_rows_make(&rows, ctx, mesh, adjacency));
     PC_TRY(pc_new(&phase, ctx, 4 * (size_t)mesh->vertex_count));
     pgp_options.seed = options->seed;
-    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &rows, &coupling, options->period_length,
-                        &pgp_options));
+    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &rows, &coupling,
+                        options->period_length, &pgp_options));
     stats->energy = solved.energy;
     stats->iterations = solved.iterations;
     for (size_t i = 0; i < 4 * (size_t)mesh->vertex_count; i++)
         param->phase[i] = (float)phase[i];
     PC_TRY(pc_reconstruct(param, ctx, device, mesh, adjacency, &coupling, phase));
     count_flags(stats, param);
-    pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
+    pc_log(ctx, PC_LOG_DEBUG,
+           "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
-    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, 1e-6, &stats->iterations));
+    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, 1e-6,
+                        &stats->iterations));
     pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
     pc_reconstruct_flags(param, mesh);
     if (options->cancel_reach > 0) {
         PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, mesh, adjacency,
                                       options->cancel_reach * options->period_length));
-        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, 1e-6, &stats->iterations));
+        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, 1e-6,
+                            &stats->iterations));
         pc_reconstruct_torn(param, mesh, adjacency, &coupling);
         pc_reconstruct_flags(param, mesh);
     }
     PC_TRY(pc_untangle(param, ctx, mesh, adjacency));
     count_flags(stats, param);
-    pc_log(ctx, PC_LOG_DEBUG, "%u dislocations cancelled; left: %u dislocations, %u field singularities, %u flipped",
+    pc_log(ctx, PC_LOG_DEBUG,
+           "%u dislocations cancelled; left: %u dislocations, %u field singularities, %u flipped",
            stats->cancelled, stats->dislocations, stats->field_singularities, stats->flipped);
 done:
     pc_coupling_free(&coupling, ctx);

@@ -18,8 +18,8 @@ static void put_entry(pc_system *system, pc_index at, int turn, double s, double
     system->turn[at] = (uint8_t)turn;
 }
 
-static void assemble(pc_system *system, const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_index *slot,
-                     const pc_coupling *coupling) {
+static void assemble(pc_system *system, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                     const pc_index *slot, const pc_coupling *coupling) {
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         int turn = coupling->turn[e], back = pc_turn_back(turn);
@@ -37,9 +37,11 @@ static void assemble(pc_system *system, const pc_mesh *mesh, const pc_adjacency 
 }
 
 pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling) {
+                          const pc_adjacency *adjacency, const pc_edge_rows *rows,
+                          const pc_coupling *coupling) {
     pc_status status = PC_OK;
-    PC_TRY(pc_system_make(system, ctx, PC_BLOCK_TURNED, mesh->vertex_count, 2 * (size_t)adjacency->edge_count));
+    PC_TRY(
+        pc_system_make(system, ctx, PC_BLOCK_TURNED, mesh->vertex_count, 2 * (size_t)adjacency->edge_count));
     memcpy(system->start, rows->start, sizeof(pc_index) * ((size_t)rows->row_count + 1));
     memcpy(system->column, rows->column, sizeof(pc_index) * 2 * (size_t)rows->edge_count);
     if (pc_device_is_host(device))
@@ -59,7 +61,8 @@ static void vertex_mass(double *mass, const pc_mesh *mesh) {
     for (pc_index f = 0; f < mesh->face_count; f++) {
         const pc_index *t = mesh->triangle + 3 * (size_t)f;
         pc_vec3 a = pc_vec3_at(mesh->position, t[0]);
-        pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, t[1]), a), pc_sub(pc_vec3_at(mesh->position, t[2]), a));
+        pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, t[1]), a),
+                             pc_sub(pc_vec3_at(mesh->position, t[2]), a));
         double third = pc_norm(n) / 6;
         for (int k = 0; k < 3; k++)
             mass[t[k]] += third;
@@ -71,8 +74,10 @@ static void vertex_mass(double *mass, const pc_mesh *mesh) {
         if (mass[v] < least) mass[v] = least;
 }
 
-/* Per vertex the least shift: a reach beyond the vertex's component serves nothing and leaves a singular system. */
-static pc_status least_shifts(double *least, pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency) {
+/* Per vertex the least shift: a reach beyond the vertex's component serves nothing and leaves a singular
+ * system. */
+static pc_status least_shifts(double *least, pc_context *ctx, const pc_mesh *mesh,
+                              const pc_adjacency *adjacency) {
     pc_status status = PC_OK;
     pc_topology topology = {0};
     double total = 0;
@@ -148,7 +153,8 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     memcpy(degree, system.diagonal, sizeof(double) * n);
     for (int step = 0; step < options->steps; step++) {
         double f = options->steps > 1 ? (double)step / (options->steps - 1) : 1;
-        double reach = period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
+        double reach =
+            period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
         double shift = 1 / (reach * reach);
         for (pc_index i = 0; i < n; i++)
             system.diagonal[i] = degree[i] + fmax(shift, least[i]) * mass[i];

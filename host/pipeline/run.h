@@ -38,8 +38,8 @@ typedef struct pc_stage_event {
 
 typedef void pc_stage_sink(void *user, const pc_stage_event *event);
 
-/* Without any wish the quads are ten mean edges of the scan long (digest C21), but where that would leave fewer than
- * these many of them, and with them none of the shape of a small scan, they are shorter. */
+/* Without any wish the quads are ten mean edges of the scan long (digest C21), but where that would leave
+ * fewer than these many of them, and with them none of the shape of a small scan, they are shorter. */
 #define PC_DEFAULT_EDGE_FACTOR 10.0
 #define PC_DEFAULT_LEAST_QUADS 4000.0
 
@@ -67,8 +67,8 @@ typedef struct pc_convert_options {
 } pc_convert_options;
 #define PC_CONVERT_DEFAULTS                                                                                  \
     {                                                                                                        \
-        .smoothness = -1, .last = PC_STAGE_EXPORT, .min_component = 1, .seed = 1,         \
-        .pictures = true, .stop_after = PC_STAGE_COUNT                                                       \
+        .smoothness = -1, .last = PC_STAGE_EXPORT, .min_component = 1, .seed = 1, .pictures = true,          \
+        .stop_after = PC_STAGE_COUNT                                                                         \
     }
 
 /* Converts the scan at `scan` into the folder `out`, which is made; what is there already is refused unless
