@@ -122,7 +122,7 @@ static void same_coordinates(const pair *p, pc_context *ctx, const double *phase
 
 static void compare(pc_context *ctx, int kind, pc_shape form, bool scaled, bool split) {
     pair p = {.seed = 70 + (uint64_t)kind, .host = open_host(ctx)};
-    pc_edge_rows rows;
+    pc_edge_rows rows = {0};
     double *phase = NULL;
     make_mesh(&p.s.mesh, ctx, kind, p.seed);
     finish_shape(&p.s, ctx, p.host);
