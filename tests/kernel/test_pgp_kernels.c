@@ -173,7 +173,8 @@ static void whole_stage_on_a_device(void **state) {
     shape s = {0};
     pc_device *devices[2] = {open_host(ctx), open_device(ctx, PC_SHAPE_CHUNK, 0)};
     pc_param_options options = PC_PARAM_DEFAULTS;
-    pc_param_stats stats[2] = {{0}, {0}};
+    pc_param_stats stats[2];
+    memset(stats, 0, sizeof stats);
     make_mesh(&s.mesh, ctx, 1, 5);
     finish_shape(&s, ctx, devices[0]);
     options.period_length = 2.5 * s.longest_edge;
