@@ -50,6 +50,8 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_edge_rows rows = {0};
     pc_pgp_options pgp_options = PC_PGP_DEFAULTS;
     pc_pgp_stats solved;
+    const double tolerance = 1e-5; /* of the change of coordinates, itself below a period */
+    pc_solver *solver = NULL;
     double *phase = NULL;
     *param = (pc_param){0};
     *stats = (pc_param_stats){0};
@@ -66,24 +68,30 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     for (size_t i = 0; i < 4 * (size_t)mesh->vertex_count; i++)
         param->phase[i] = (float)phase[i];
     PC_TRY(pc_reconstruct(param, ctx, device, mesh, adjacency, &coupling, phase));
+    pc_free(ctx, phase);
+    phase = NULL;
     count_flags(stats, param);
     pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
-    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, 1e-6, &stats->iterations));
+    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, &solver, tolerance, &stats->iterations));
     pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
     pc_reconstruct_flags(param, mesh);
     if (options->cancel_reach > 0) {
         PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, mesh, adjacency,
                                       options->cancel_reach * options->period_length));
-        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, 1e-6, &stats->iterations));
+        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, &solver, tolerance,
+                            &stats->iterations));
         pc_reconstruct_torn(param, mesh, adjacency, &coupling);
         pc_reconstruct_flags(param, mesh);
     }
+    pc_solver_free(solver, ctx);
+    solver = NULL;
     PC_TRY(pc_untangle(param, ctx, mesh, adjacency));
     count_flags(stats, param);
     pc_log(ctx, PC_LOG_DEBUG, "%u dislocations cancelled; left: %u dislocations, %u field singularities, %u flipped",
            stats->cancelled, stats->dislocations, stats->field_singularities, stats->flipped);
 done:
+    pc_solver_free(solver, ctx);
     pc_coupling_free(&coupling, ctx);
     pc_edge_rows_free(&rows, ctx);
     pc_free(ctx, phase);

@@ -114,6 +114,7 @@ pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *
 pc_status pc_solver_set_diagonal(pc_solver *solver, pc_context *ctx, const double *diagonal) {
     pc_status status = PC_OK;
     const double *first = solver->first_diagonal;
+    double begin = pc_clock_wall();
     for (pc_index i = 0; i < solver->row_count; i++)
         if (!(diagonal[i] >= first[i] * (1 - 1e-12)) || !isfinite(diagonal[i]))
             return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i, first[i], diagonal[i]);
@@ -123,6 +124,7 @@ pc_status pc_solver_set_diagonal(pc_solver *solver, pc_context *ctx, const doubl
         PC_TRY(pc_devsolve_set_diagonal(solver->devsolve, ctx, diagonal, &solver->multigrid));
     else
         memcpy(solver->system.diagonal, diagonal, solver->row_count * sizeof *diagonal);
+    solver->setup_seconds = pc_clock_wall() - begin;
 done:
     return status;
 }

@@ -19,7 +19,7 @@ typedef struct pc_solver_options {
 typedef struct pc_solver_stats {
     pc_index iterations;
     double residual;      /* |b - A x| / |b| at the end */
-    double setup_seconds; /* of the last make or update */
+    double setup_seconds; /* of the last make, update or set_diagonal */
     double solve_seconds;
 } pc_solver_stats;
 
