@@ -10,9 +10,13 @@ static double seconds(clockid_t clock) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-double pc_clock_wall(void) { return seconds(CLOCK_MONOTONIC); }
+double pc_clock_wall(void) {
+    return seconds(CLOCK_MONOTONIC);
+}
 
-double pc_clock_cpu(void) { return seconds(CLOCK_PROCESS_CPUTIME_ID); }
+double pc_clock_cpu(void) {
+    return seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
 
 size_t pc_clock_peak_bytes(void) {
     struct rusage usage;

@@ -31,9 +31,13 @@ pc_status pc_fail(pc_context *ctx, pc_status status, const char *format, ...) {
     return status;
 }
 
-const char *pc_context_message(const pc_context *ctx) { return ctx->message; }
+const char *pc_context_message(const pc_context *ctx) {
+    return ctx->message;
+}
 
-void pc_context_clear_message(pc_context *ctx) { ctx->message[0] = '\0'; }
+void pc_context_clear_message(pc_context *ctx) {
+    ctx->message[0] = '\0';
+}
 
 void pc_context_set_log(pc_context *ctx, pc_log_sink *sink, void *user, pc_log_level least) {
     ctx->log_sink = sink;
@@ -60,7 +64,9 @@ void pc_progress(pc_context *ctx, double fraction) {
     if (ctx->progress_sink) ctx->progress_sink(ctx->progress_user, fraction);
 }
 
-void pc_context_interrupt(pc_context *ctx) { ctx->interrupted = 1; }
+void pc_context_interrupt(pc_context *ctx) {
+    ctx->interrupted = 1;
+}
 
 pc_status pc_check_interrupt(pc_context *ctx) {
     if (!ctx->interrupted) return PC_OK;

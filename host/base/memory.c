@@ -45,7 +45,8 @@ pc_status pc_alloc_bytes(void **out, pc_context *ctx, size_t count, size_t size)
     if (status != PC_OK) return status;
     void *block = raw_block(ctx, bytes);
     if (!block)
-        return pc_fail(ctx, PC_E_NOMEM, "out of memory: %zu more bytes on top of %zu", bytes, pc_memory_used(ctx));
+        return pc_fail(ctx, PC_E_NOMEM, "out of memory: %zu more bytes on top of %zu", bytes,
+                       pc_memory_used(ctx));
     memset(block, 0, bytes);
     *out = block;
     return PC_OK;
@@ -57,7 +58,8 @@ pc_status pc_resize_bytes(void **block, pc_context *ctx, size_t count, size_t si
     if (status != PC_OK) return status;
     void *grown = raw_block(ctx, bytes);
     if (!grown)
-        return pc_fail(ctx, PC_E_NOMEM, "out of memory: %zu more bytes on top of %zu", bytes, pc_memory_used(ctx));
+        return pc_fail(ctx, PC_E_NOMEM, "out of memory: %zu more bytes on top of %zu", bytes,
+                       pc_memory_used(ctx));
     if (*block) {
         size_t old = *(size_t *)((char *)*block - HEADER);
         memcpy(grown, *block, old < bytes ? old : bytes);
@@ -74,10 +76,18 @@ void pc_free(pc_context *ctx, void *block) {
     free(base);
 }
 
-size_t pc_memory_used(const pc_context *ctx) { return atomic_load(&ctx->used); }
+size_t pc_memory_used(const pc_context *ctx) {
+    return atomic_load(&ctx->used);
+}
 
-size_t pc_memory_peak(const pc_context *ctx) { return atomic_load(&ctx->peak); }
+size_t pc_memory_peak(const pc_context *ctx) {
+    return atomic_load(&ctx->peak);
+}
 
-void pc_memory_reset_peak(pc_context *ctx) { atomic_store(&ctx->peak, atomic_load(&ctx->used)); }
+void pc_memory_reset_peak(pc_context *ctx) {
+    atomic_store(&ctx->peak, atomic_load(&ctx->used));
+}
 
-void pc_memory_fail_at(pc_context *ctx, size_t n) { atomic_store(&ctx->fail_at, n); }
+void pc_memory_fail_at(pc_context *ctx, size_t n) {
+    atomic_store(&ctx->fail_at, n);
+}

@@ -4,9 +4,11 @@
 
 #include "context.h"
 
-/* count*size bytes, zeroed; `*out` is NULL on failure. count 0 gives a valid pointer. PC_E_NOMEM on overflow. */
+/* count*size bytes, zeroed; `*out` is NULL on failure. count 0 gives a valid pointer. PC_E_NOMEM on overflow.
+ */
 pc_status pc_alloc_bytes(void **out, pc_context *ctx, size_t count, size_t size);
-/* Grows or shrinks a block got from pc_alloc_bytes (or NULL); new bytes are not zeroed. On failure `*block` stays. */
+/* Grows or shrinks a block got from pc_alloc_bytes (or NULL); new bytes are not zeroed. On failure `*block`
+ * stays. */
 pc_status pc_resize_bytes(void **block, pc_context *ctx, size_t count, size_t size);
 /* NULL is fine. */
 void pc_free(pc_context *ctx, void *block);

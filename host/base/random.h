@@ -1,4 +1,5 @@
-/* A small seeded generator (splitmix64) for tests, synthetic scans and tie breaking; the same on every machine. */
+/* A small seeded generator (splitmix64) for tests, synthetic scans and tie breaking; the same on every
+ * machine. */
 #ifndef PC_RANDOM_H
 #define PC_RANDOM_H
 

@@ -33,8 +33,10 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
                            "how many quads are wanted, such as 20000, 20k or 1.5M; met within 5 %"),
         [EDGE_LENGTH] = PC_NUMBER("edge-length", &o->edge_length, "X", 1e-300, INFINITY,
                                   "edge length of the quads, in the units of the scan"),
-        [EDGE_FACTOR] = PC_NUMBER("edge-factor", &o->edge_factor, "F", 0.1, 1e6,
-                                  "edge length of the quads, in mean edge lengths of the scan (default 10)"),
+        [EDGE_FACTOR] = PC_NUMBER(
+            "edge-factor", &o->edge_factor, "F", 0.1, 1e6,
+            "edge length of the quads, in mean edge lengths of the scan (default 10, less where that "
+            "would give fewer than 4000 quads)"),
         PC_TEXT("output", 'o', &line->out, "OUT", "the folder for the results"),
         PC_CHOICE("ngons", &line->ngons, "split|keep",
                   "cells that are not quads: split into quads (default), or kept whole"),

@@ -117,8 +117,8 @@ static void let_threads_sleep(char **argv) {
     if (setenv("OMP_WAIT_POLICY", "passive", 0) == 0) (void)execv("/proc/self/exe", argv);
 }
 
-/* Large blocks go back to the system when they are freed. By default the C library keeps more and more of them, and
- * the peak of a conversion grows by half. */
+/* Large blocks go back to the system when they are freed. By default the C library keeps more and more of
+ * them, and the peak of a conversion grows by half. */
 static void give_memory_back(void) {
 #ifdef M_MMAP_THRESHOLD
     (void)mallopt(M_MMAP_THRESHOLD, 1 << 20);

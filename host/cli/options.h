@@ -16,14 +16,14 @@ typedef enum pc_option_kind {
 
 typedef struct pc_option {
     const char *name; /* without the dashes; NULL ends a table */
-    char letter;      /* 0 where there is no short form */
-    pc_option_kind kind;
     void *value;
     const char *argument; /* how the help calls it */
     const char *help;
     const char *choices;
     double least, most; /* of numbers and counts, both allowed; 0,0: no limits */
-    bool given;         /* set by pc_options_read */
+    pc_option_kind kind;
+    char letter; /* 0 where there is no short form */
+    bool given;  /* set by pc_options_read */
 } pc_option;
 
 /* Rows of a table. */

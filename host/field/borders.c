@@ -17,15 +17,26 @@ static double turn_at_head(const pc_mesh *mesh, const pc_connection *c, pc_index
     return PC_PI - c->total[pc_head(mesh, h)];
 }
 
-/* Smooth: over WINDOW edges from h on, the turns are small one by one and do not zigzag. */
-static double smoothness_from(const pc_mesh *mesh, const pc_adjacency *a, const pc_connection *c,
-                              pc_index h) {
-    double zigzag = 0;
-    for (int k = 0; k < WINDOW; k++) {
-        zigzag += fabs(turn_at_head(mesh, c, h));
+/* The boundary half-edge that ends where h begins: the last spoke of the fan, seen from outside. */
+static pc_index previous_border(const pc_mesh *mesh, const pc_adjacency *a, pc_index h) {
+    pc_index last = a->vertex_half[pc_tail(mesh, h)];
+    for (pc_index turned = pc_turn_ccw(a, last); turned != PC_NONE; turned = pc_turn_ccw(a, last))
+        last = turned;
+    return pc_prev(last);
+}
+
+/* 1 where the boundary around the tail of h is straight, 0 where its turns reach 20 degrees each on average:
+ * the signs of the turns do not matter, a ragged edge zigzags. */
+static double smoothness_around(const pc_mesh *mesh, const pc_adjacency *a, const pc_connection *c,
+                                pc_index h) {
+    double sum = 0, most = PC_PI / 9;
+    for (int k = 0; k < WINDOW + 1; k++)
+        h = previous_border(mesh, a, h);
+    for (int k = 0; k < 2 * WINDOW + 1; k++) {
+        sum += fabs(turn_at_head(mesh, c, h));
         h = next_border(mesh, a, h);
     }
-    double mean = zigzag / WINDOW, most = PC_PI / 9;
+    double mean = sum / (2 * WINDOW + 1);
     return mean < most ? 1 - mean / most : 0;
 }
 
@@ -41,6 +52,6 @@ void pc_borders_find(double *weight, double *angle, const pc_mesh *mesh, const p
         double inner = connection->total[v];
         bool corner = fabs(PC_PI - inner) > PC_PI / 4;
         angle[v] = wrap(connection->angle[out] + (corner ? 0 : 0.5 * (inner - PC_PI)));
-        weight[v] = rule == PC_BORDERS_ALL ? 1 : smoothness_from(mesh, adjacency, connection, out);
+        weight[v] = rule == PC_BORDERS_ALL ? 1 : smoothness_around(mesh, adjacency, connection, out);
     }
 }

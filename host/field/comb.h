@@ -1,5 +1,6 @@
-/* Of the N directions that a field has at a vertex one stands for all. Chosen alike across nearly all edges, few
- * couplings turn from one direction to another, which suits branch prediction in everything that runs over them. */
+/* Of the N directions that a field has at a vertex one stands for all. Chosen alike across nearly all edges,
+ * few couplings turn from one direction to another, which suits branch prediction in everything that runs
+ * over them. */
 #ifndef PC_COMB_H
 #define PC_COMB_H
 

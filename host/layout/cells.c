@@ -68,8 +68,8 @@ done:
     return status;
 }
 
-/* Numbers the regions in order of their first face and computes each one's Euler characteristic: faces minus open
- * edges plus open vertices. */
+/* Numbers the regions in order of their first face and computes each one's Euler characteristic: faces minus
+ * open edges plus open vertices. */
 static pc_status flood(pc_cells *cells, pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency) {
     pc_status status = PC_OK;
     pc_index *stack = NULL, *degree = NULL;
@@ -116,14 +116,15 @@ typedef struct cutting {
     const pc_mesh *mesh;
     const pc_adjacency *adjacency;
     pc_cells *cells;
-    pc_index *queue;   /* faces */
-    uint8_t *reached;  /* per face */
-    uint8_t *crossed;  /* per edge: by the tree of faces, or pruned */
-    pc_index *degree;  /* per vertex: open edges not crossed; PC_NONE marks a vertex on a wall, which is never pruned */
+    pc_index *queue;  /* faces */
+    uint8_t *reached; /* per face */
+    uint8_t *crossed; /* per edge: by the tree of faces, or pruned */
+    pc_index *degree; /* per vertex: open edges not crossed; PC_NONE marks a vertex on a wall, which is never
+                         pruned */
 } cutting;
 
-/* A breadth-first tree over the faces of one cell; what remains of the open edges, dangling ends pruned, cuts the cell
- * into one disk (tree and cotree, Eppstein 2003). */
+/* A breadth-first tree over the faces of one cell; what remains of the open edges, dangling ends pruned, cuts
+ * the cell into one disk (tree and cotree, Eppstein 2003). */
 static pc_index grow_tree(cutting *c, pc_index seed) {
     pc_index head = 0, tail = 0;
     c->queue[tail++] = seed;
@@ -141,7 +142,9 @@ static pc_index grow_tree(cutting *c, pc_index seed) {
     return tail;
 }
 
-static bool is_open(const cutting *c, pc_index e) { return !c->cells->wall[e] && !c->crossed[e]; }
+static bool is_open(const cutting *c, pc_index e) {
+    return !c->cells->wall[e] && !c->crossed[e];
+}
 
 static void prune(cutting *c, pc_index v) {
     pc_index edges[512];
@@ -219,8 +222,9 @@ done:
 
 /* ---- cells that meet themselves ---- */
 
-/* A rim may come by a vertex several times, even all of its vertices. Ways across a cell therefore begin and end at
- * positions of the rim, each with the faces of the cell between the wall that arrives there and the one that leaves. */
+/* A rim may come by a vertex several times, even all of its vertices. Ways across a cell therefore begin and
+ * end at positions of the rim, each with the faces of the cell between the wall that arrives there and the
+ * one that leaves. */
 typedef struct splitting {
     const pc_mesh *mesh;
     const pc_adjacency *adjacency;
@@ -228,10 +232,10 @@ typedef struct splitting {
     const pc_index *degree; /* walls per vertex */
     pc_index *rim;          /* half-edges of the rim of the cell at hand */
     pc_index rim_count;
-    pc_index *position;     /* per half-edge of the rim */
-    pc_index *from;         /* per vertex inside: half-edge by which the search came */
-    pc_index *stamp;        /* per vertex inside: the search that reached it last */
-    pc_index *queue;        /* half-edges to follow */
+    pc_index *position; /* per half-edge of the rim */
+    pc_index *from;     /* per vertex inside: half-edge by which the search came */
+    pc_index *stamp;    /* per vertex inside: the search that reached it last */
+    pc_index *queue;    /* half-edges to follow */
     pc_index queued, search;
 } splitting;
 
@@ -271,8 +275,8 @@ static void mark_way(splitting *s, pc_index h) {
     }
 }
 
-/* Breadth first over the open edges of the cell from `starts` positions of the rim after `start` to any of `goals`
- * positions after `goal`, all modulo the rim; marks the way as wall. */
+/* Breadth first over the open edges of the cell from `starts` positions of the rim after `start` to any of
+ * `goals` positions after `goal`, all modulo the rim; marks the way as wall. */
 static bool cut_across(splitting *s, pc_index start, pc_index starts, pc_index goal, pc_index goals) {
     s->queued = 0, s->search++;
     for (pc_index i = 0; i < starts; i++)
@@ -308,10 +312,11 @@ static int split_cell(splitting *s, pc_index h) {
     pc_index a, b;
     walk_rim(s, h);
     if (!find_repeat(s, &a, &b)) return 0;
-    /* A way from a position in a+1 .. b to one in b+1 .. a+n parts the two sides of the wall; best from middle to
-     * middle. */
+    /* A way from a position in a+1 .. b to one in b+1 .. a+n parts the two sides of the wall; best from
+     * middle to middle. */
     pc_index inner = b - a, outer = s->rim_count - inner;
-    if (cut_across(s, a + 1 + inner / 4, inner - inner / 4 * 2, b + 1 + outer / 4, outer - outer / 4 * 2)) return 1;
+    if (cut_across(s, a + 1 + inner / 4, inner - inner / 4 * 2, b + 1 + outer / 4, outer - outer / 4 * 2))
+        return 1;
     return cut_across(s, a + 1, inner, b + 1, outer) ? 1 : 2;
 }
 
@@ -398,8 +403,8 @@ pc_status pc_cells_make(pc_cells *cells, pc_cells_stats *stats, pc_context *ctx,
         if (!cut && !split && !stuck_count) break;
         if (!stuck_count) continue; /* each split parts two sides of a wall, so that this ends */
         if (refinements++ == MOST_REFINEMENTS) {
-            status = pc_fail(ctx, PC_E_BUG, "%u cells still meet themselves in triangles refined %d times", stuck_count,
-                             MOST_REFINEMENTS);
+            status = pc_fail(ctx, PC_E_BUG, "%u cells still meet themselves in triangles refined %d times",
+                             stuck_count, MOST_REFINEMENTS);
             goto done;
         }
         PC_TRY(refine_stuck(cells, stuck, ctx, overlay, adjacency));

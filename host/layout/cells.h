@@ -1,14 +1,16 @@
-/* The regions that drawn lines cut a mesh into, made to be disks that nowhere touch themselves along a line. */
+/* The regions that drawn lines cut a mesh into, made to be disks that nowhere touch themselves along a line.
+ */
 #ifndef PC_CELLS_H
 #define PC_CELLS_H
 
 #include "overlay.h"
 
 typedef struct pc_cells {
-    uint8_t *wall;      /* per edge of the overlay's mesh: 1 where it separates (drawn, or a boundary of the scan) */
-    pc_index *cell;     /* per face */
+    uint8_t
+        *wall; /* per edge of the overlay's mesh: 1 where it separates (drawn, or a boundary of the scan) */
+    pc_index *cell; /* per face */
     pc_index cell_count;
-    int32_t *euler;     /* per cell: Euler characteristic of its interior; 1 for a disk */
+    int32_t *euler; /* per cell: Euler characteristic of its interior; 1 for a disk */
 } pc_cells;
 
 typedef struct pc_cells_stats {
@@ -17,9 +19,9 @@ typedef struct pc_cells_stats {
     pc_index split_cells;    /* cells that met themselves along a line and have been split */
 } pc_cells_stats;
 
-/* Removes dangling lines, cuts what is no disk, splits what meets itself. The overlay is refined where a split finds no
- * way through; `adjacency` is that of overlay->mesh and is remade then. On success every cell is an open disk whose rim
- * runs along each wall at most once. */
+/* Removes dangling lines, cuts what is no disk, splits what meets itself. The overlay is refined where a
+ * split finds no way through; `adjacency` is that of overlay->mesh and is remade then. On success every cell
+ * is an open disk whose rim runs along each wall at most once. */
 pc_status pc_cells_make(pc_cells *cells, pc_cells_stats *stats, pc_context *ctx, pc_overlay *overlay,
                         pc_adjacency *adjacency);
 void pc_cells_free(pc_cells *cells, pc_context *ctx);

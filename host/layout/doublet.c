@@ -5,7 +5,7 @@
 enum { MOST_PASSES = 32 };
 
 typedef struct touching {
-    pc_index count;    /* faces at the vertex */
+    pc_index count;     /* faces at the vertex */
     pc_index corner[2]; /* where the first two of them have it */
 } touching;
 
@@ -20,13 +20,19 @@ static pc_status gather(touching **vertex, pc_context *ctx, const pc_polymesh *q
     return PC_OK;
 }
 
-static bool is_quad(const pc_polymesh *quads, pc_index f) { return quads->start[f + 1] - quads->start[f] == 4; }
+static bool is_quad(const pc_polymesh *quads, pc_index f) {
+    return quads->start[f + 1] - quads->start[f] == 4;
+}
 
 /* The corner `by` steps on in the quad that holds corner c; every face before it is a quad too. */
-static pc_index turned(pc_index first, pc_index c, pc_index by) { return first + (c - first + by) % 4; }
+static pc_index turned(pc_index first, pc_index c, pc_index by) {
+    return first + (c - first + by) % 4;
+}
 
-/* Faces a < b around v as a: v x p y and b: v y q x become a: x p y q. False where that is not what they are. */
-static bool join(pc_polymesh *quads, const touching *vertex, pc_index v, const pc_index *face_of, uint8_t *locked) {
+/* Faces a < b around v as a: v x p y and b: v y q x become a: x p y q. False where that is not what they are.
+ */
+static bool join(pc_polymesh *quads, const touching *vertex, pc_index v, const pc_index *face_of,
+                 uint8_t *locked) {
     pc_index ca = vertex[v].corner[0], cb = vertex[v].corner[1], a = face_of[ca], b = face_of[cb];
     if (a == b || locked[a] || locked[b] || !is_quad(quads, a) || !is_quad(quads, b)) return false;
     pc_index *corner = quads->corner, sa = quads->start[a], sb = quads->start[b];

@@ -11,14 +11,16 @@ typedef struct reading {
     const pc_adjacency *adjacency;
     const pc_cells *cells;
     pc_layout *layout;
-    pc_index *node;  /* per vertex: its node, PC_NONE */
-    pc_index *side;  /* per half-edge that starts a side at a node: 2*arc+reversed, PC_NONE */
+    pc_index *node; /* per vertex: its node, PC_NONE */
+    pc_index *side; /* per half-edge that starts a side at a node: 2*arc+reversed, PC_NONE */
 } reading;
 
-static bool is_wall(const reading *r, pc_index h) { return r->cells->wall[r->adjacency->edge[h]]; }
+static bool is_wall(const reading *r, pc_index h) {
+    return r->cells->wall[r->adjacency->edge[h]];
+}
 
-/* The wall that goes on at the head of h, where just two meet; works along boundaries too. Returned as the half-edge
- * that leaves the head; PC_NONE where that one has no face, its edge is then in *edge. */
+/* The wall that goes on at the head of h, where just two meet; works along boundaries too. Returned as the
+ * half-edge that leaves the head; PC_NONE where that one has no face, its edge is then in *edge. */
 static pc_index next_along(const reading *r, pc_index edge, pc_index vertex, pc_index *next_edge) {
     const pc_adjacency *a = r->adjacency;
     pc_index first = a->vertex_half[vertex], h = first;
@@ -44,7 +46,8 @@ static void add_node(reading *r, pc_index vertex) {
     r->layout->node_vertex[r->layout->node_count++] = vertex;
 }
 
-/* Walks from a node (or, on a loop without nodes, from `vertex` back to it) and returns the number of edges. */
+/* Walks from a node (or, on a loop without nodes, from `vertex` back to it) and returns the number of edges.
+ */
 static pc_index chain_length(const reading *r, pc_index vertex, pc_index edge, pc_index *end) {
     pc_index start = vertex, count = 0;
     do {
@@ -58,7 +61,8 @@ static pc_index chain_length(const reading *r, pc_index vertex, pc_index edge, p
 }
 
 /* Puts a node after every `step` edges of a chain of `count` edges, the end left out. */
-static void cut_chain(reading *r, pc_index vertex, pc_index edge, pc_index count, pc_index pieces, uint8_t *seen) {
+static void cut_chain(reading *r, pc_index vertex, pc_index edge, pc_index count, pc_index pieces,
+                      uint8_t *seen) {
     for (pc_index i = 1, piece = 1; i <= count; i++) {
         seen[edge] = 1;
         vertex = other_end(r, edge, vertex);
@@ -68,7 +72,8 @@ static void cut_chain(reading *r, pc_index vertex, pc_index edge, pc_index count
     }
 }
 
-/* Every vertex where other than two walls meet; then loops get three nodes, arcs from a node to itself two more. */
+/* Every vertex where other than two walls meet; then loops get three nodes, arcs from a node to itself two
+ * more. */
 static pc_status find_nodes(reading *r, pc_context *ctx) {
     pc_status status = PC_OK;
     pc_index *degree = NULL;
@@ -310,7 +315,8 @@ static pc_status check_cell(const pc_layout *l, pc_context *ctx, pc_index cell) 
     if (from == to) return pc_fail(ctx, PC_E_BUG, "cell %u has no sides", cell);
     for (pc_index i = from; i < to; i++) {
         pc_index side = l->cell_side[i], next = l->cell_side[i + 1 < to ? i + 1 : from];
-        if (l->arc_cell[side] != cell) return pc_fail(ctx, PC_E_BUG, "arc %u does not know cell %u", side / 2, cell);
+        if (l->arc_cell[side] != cell)
+            return pc_fail(ctx, PC_E_BUG, "arc %u does not know cell %u", side / 2, cell);
         if (l->arc_node[side ^ 1] != l->arc_node[next])
             return pc_fail(ctx, PC_E_BUG, "the sides of cell %u do not meet after side %u", cell, i - from);
     }
@@ -324,12 +330,13 @@ pc_status pc_layout_check(const pc_layout *layout, pc_context *ctx) {
     int64_t chi = (int64_t)layout->mesh.vertex_count - adjacency.edge_count + layout->mesh.face_count;
     int64_t given = (int64_t)layout->node_count - layout->arc_count + layout->cell_count;
     if (given != chi) {
-        status = pc_fail(ctx, PC_E_BUG, "the layout's Euler number is %lld, the scan's %lld", (long long)given,
-                         (long long)chi);
+        status = pc_fail(ctx, PC_E_BUG, "the layout's Euler number is %lld, the scan's %lld",
+                         (long long)given, (long long)chi);
         goto done;
     }
     for (pc_index a = 0; a < layout->arc_count; a++)
-        if (layout->arc_cell[2 * a] == layout->arc_cell[2 * a + 1] || layout->arc_node[2 * a] == layout->arc_node[2 * a + 1]) {
+        if (layout->arc_cell[2 * a] == layout->arc_cell[2 * a + 1] ||
+            layout->arc_node[2 * a] == layout->arc_node[2 * a + 1]) {
             status = pc_fail(ctx, PC_E_BUG, "arc %u meets itself", a);
             goto done;
         }

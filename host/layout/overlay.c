@@ -19,17 +19,22 @@ typedef struct drawing {
     const pc_adjacency *adjacency;
     const pc_param *param;
     pc_overlay *overlay;
-    edge_points *points;   /* per edge of the scan */
-    pc_index *first_face;  /* per scan face: its first triangle of the overlay; one more at the end */
-    pc_index *crossing;    /* per scan face: the vertex where its chords cross, PC_NONE */
+    edge_points *points;  /* per edge of the scan */
+    pc_index *first_face; /* per scan face: its first triangle of the overlay; one more at the end */
+    pc_index *crossing;   /* per scan face: the vertex where its chords cross, PC_NONE */
 } drawing;
 
 /* Where the families of lines keep apart: everywhere but in field singularities without a cone. */
-static bool is_drawable(const pc_param *param, pc_index f) { return param->singular[f] != PC_FIELD_SINGULARITY; }
+static bool is_drawable(const pc_param *param, pc_index f) {
+    return param->singular[f] != PC_FIELD_SINGULARITY;
+}
 
-static bool is_cone(const drawing *d, pc_index v) { return v >= d->first_cone; }
+static bool is_cone(const drawing *d, pc_index v) {
+    return v >= d->first_cone;
+}
 
-/* The half-edge in whose tail's frame the points of an edge are told: never a cone's, whose frame is ambiguous. */
+/* The half-edge in whose tail's frame the points of an edge are told: never a cone's, whose frame is
+ * ambiguous. */
 static pc_index base_half(const drawing *d, pc_index e) {
     pc_index h = d->adjacency->edge_half[e];
     return is_cone(d, pc_tail(d->mesh, h)) ? d->adjacency->twin[h] : h;
@@ -59,8 +64,10 @@ static void find_edge_points(const drawing *d, pc_index e, double abscissa[2]) {
         if (span[k] < 0) span[k] = -span[k], over[k] = -over[k];
         if (met[k]) points->family[points->count++] = (uint8_t)k;
     }
-    /* over/span < 2^25: the products are exact. A tie (a crossing on the edge itself) puts the s-line first. */
-    if (points->count == 2 && over[1] * span[0] < over[0] * span[1]) points->family[0] = 1, points->family[1] = 0;
+    /* over/span < 2^25: the products are exact. A tie (a crossing on the edge itself) puts the s-line first.
+     */
+    if (points->count == 2 && over[1] * span[0] < over[0] * span[1])
+        points->family[0] = 1, points->family[1] = 0;
     for (int k = 0; k < points->count; k++)
         abscissa[k] = (double)over[points->family[k]] / (double)span[points->family[k]];
 }
@@ -70,7 +77,8 @@ static void find_edge_points(const drawing *d, pc_index e, double abscissa[2]) {
 typedef struct ring {
     int count;
     pc_index vertex[MOST_CORNERS];
-    uint8_t lines[MOST_CORNERS]; /* the straight lines a vertex is on: bits 0-2 the sides of the face, 3 and 4 chords */
+    uint8_t lines[MOST_CORNERS]; /* the straight lines a vertex is on: bits 0-2 the sides of the face, 3 and 4
+                                    chords */
 } ring;
 
 enum { CHORD_LINES = 3 };
@@ -91,8 +99,8 @@ static int frame_parity(const pc_param *param, pc_index f, int k) {
     return k == 0 ? 0 : k == 1 ? param->turn[h] & 1 : param->turn[h + 2] & 1;
 }
 
-/* Joins the ends of one family. Two make a chord; a single one in a face with a cone ends there; of the three that a
- * dislocation may leave, the two that are closest go on and the third ends. */
+/* Joins the ends of one family. Two make a chord; a single one in a face with a cone ends there; of the three
+ * that a dislocation may leave, the two that are closest go on and the third ends. */
 static void join_ends(chord *line, const int end[3], int count, int cone_position, const ring *around,
                       const double *position) {
     line->present = count >= 2 || (count == 1 && cone_position >= 0);
@@ -101,7 +109,8 @@ static void join_ends(chord *line, const int end[3], int count, int cone_positio
     double best = INFINITY;
     for (int skip = 0; count == 3 && skip < 3; skip++) {
         int p = end[skip == 0 ? 1 : 0], q = end[skip == 2 ? 1 : 2];
-        double length = pc_distance(pc_vec3_at(position, around->vertex[p]), pc_vec3_at(position, around->vertex[q]));
+        double length =
+            pc_distance(pc_vec3_at(position, around->vertex[p]), pc_vec3_at(position, around->vertex[q]));
         if (length < best) best = length, a = p, b = q;
     }
     line->end[0] = a < b ? a : b, line->end[1] = a < b ? b : a;
@@ -125,7 +134,8 @@ static void walk_ring(ring *around, chord chords[2], const drawing *d, pc_index 
         }
     }
     for (int family = 0; family < 2 && is_drawable(d->param, f); family++)
-        join_ends(&chords[family], end[family], ends[family], cone_position, around, d->overlay->mesh.position);
+        join_ends(&chords[family], end[family], ends[family], cone_position, around,
+                  d->overlay->mesh.position);
     for (int i = 0; i < 4; i++)
         if (chords[i / 2].present)
             around->lines[chords[i / 2].end[i % 2]] |= (uint8_t)(1 << (CHORD_LINES + i / 2));
@@ -148,7 +158,8 @@ static void add_pair(drawn_pairs *pairs, pc_index a, pc_index b) {
 
 static bool is_pair(const drawn_pairs *pairs, pc_index a, pc_index b) {
     for (int i = 0; i < pairs->count; i++)
-        if ((pairs->pair[i][0] == a && pairs->pair[i][1] == b) || (pairs->pair[i][0] == b && pairs->pair[i][1] == a))
+        if ((pairs->pair[i][0] == a && pairs->pair[i][1] == b) ||
+            (pairs->pair[i][0] == b && pairs->pair[i][1] == a))
             return true;
     return false;
 }
@@ -178,10 +189,11 @@ static double ear_quality(const double *position, pc_index a, pc_index b, pc_ind
     return longest > 0 ? pc_norm(pc_cross(u, v)) / longest : 0;
 }
 
-/* Triangulates a convex ring, best ear first; writes triangles and their drawn half-edges from face *at on. No cut joins
- * two vertices of a line: it would lie on the line, and could be there already on its other side. A ring of three lines
- * or more always has an ear left. */
-static void emit_ring(const drawing *d, ring around, const drawn_pairs *pairs, pc_index source, pc_index *at) {
+/* Triangulates a convex ring, best ear first; writes triangles and their drawn half-edges from face *at on.
+ * No cut joins two vertices of a line: it would lie on the line, and could be there already on its other
+ * side. A ring of three lines or more always has an ear left. */
+static void emit_ring(const drawing *d, ring around, const drawn_pairs *pairs, pc_index source,
+                      pc_index *at) {
     pc_overlay *o = d->overlay;
     while (around.count >= 3) {
         int best = 0;
@@ -200,7 +212,8 @@ static void emit_ring(const drawing *d, ring around, const drawn_pairs *pairs, p
             o->drawn[3 * (size_t)*at + (size_t)k] = is_pair(pairs, t[k], t[(k + 1) % 3]);
         o->source_face[(*at)++] = source;
         around.count--;
-        memmove(around.vertex + best, around.vertex + best + 1, sizeof(pc_index) * (size_t)(around.count - best));
+        memmove(around.vertex + best, around.vertex + best + 1,
+                sizeof(pc_index) * (size_t)(around.count - best));
         memmove(around.lines + best, around.lines + best + 1, (size_t)(around.count - best));
     }
 }
@@ -221,11 +234,14 @@ static void place_crossing(const drawing *d, pc_index f, const ring *around, con
     int64_t line_s, line_t;
     int64_t low_s = corner[0].s, high_s = low_s, low_t = corner[0].t, high_t = low_t;
     for (int k = 1; k < 3; k++) {
-        low_s = corner[k].s < low_s ? corner[k].s : low_s, high_s = corner[k].s > high_s ? corner[k].s : high_s;
-        low_t = corner[k].t < low_t ? corner[k].t : low_t, high_t = corner[k].t > high_t ? corner[k].t : high_t;
+        low_s = corner[k].s < low_s ? corner[k].s : low_s,
+        high_s = corner[k].s > high_s ? corner[k].s : high_s;
+        low_t = corner[k].t < low_t ? corner[k].t : low_t,
+        high_t = corner[k].t > high_t ? corner[k].t : high_t;
     }
     pc_vec3 ab = pc_sub(b, a);
-    if (det != 0 && pc_dot(ab, ab) > 0 && crossed_line(&line_s, low_s, high_s) && crossed_line(&line_t, low_t, high_t)) {
+    if (det != 0 && pc_dot(ab, ab) > 0 && crossed_line(&line_s, low_s, high_s) &&
+        crossed_line(&line_t, low_t, high_t)) {
         double ds = (double)(line_s - corner[0].s), dt = (double)(line_t - corner[0].t);
         pc_vec3 x = pc_madd(pc_madd(p0, (ds * t2 - dt * s2) / det, e1), (s1 * dt - t1 * ds) / det, e2);
         fraction = pc_dot(pc_sub(x, a), ab) / pc_dot(ab, ab);
@@ -297,7 +313,8 @@ static void place_edge_points(const drawing *d, const double *abscissa) {
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index e = 0; e < d->adjacency->edge_count; e++) {
         pc_index h = base_half(d, e);
-        pc_vec3 p = pc_vec3_at(mesh->position, pc_tail(mesh, h)), q = pc_vec3_at(mesh->position, pc_head(mesh, h));
+        pc_vec3 p = pc_vec3_at(mesh->position, pc_tail(mesh, h)),
+                q = pc_vec3_at(mesh->position, pc_head(mesh, h));
         for (int k = 0; k < d->points[e].count; k++)
             pc_vec3_put(position, d->points[e].first_vertex + (pc_index)k,
                         pc_madd(p, abscissa[2 * (size_t)e + (size_t)k], pc_sub(q, p)));
@@ -331,7 +348,11 @@ pc_status pc_overlay_make(pc_overlay *overlay, pc_context *ctx, const pc_coned *
     pc_status status = PC_OK;
     const pc_mesh *mesh = &coned->mesh;
     const pc_param *param = &coned->param;
-    drawing d = {.mesh = mesh, .first_cone = coned->first_cone, .adjacency = adjacency, .param = param, .overlay = overlay};
+    drawing d = {.mesh = mesh,
+                 .first_cone = coned->first_cone,
+                 .adjacency = adjacency,
+                 .param = param,
+                 .overlay = overlay};
     double *abscissa = NULL;
     pc_index vertices = mesh->vertex_count;
     *overlay = (pc_overlay){0};

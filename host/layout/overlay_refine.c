@@ -49,7 +49,8 @@ pc_status pc_overlay_refine(pc_overlay *overlay, pc_context *ctx, const pc_adjac
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         pc_index h = adjacency->edge_half[e];
         if (middle[e] == PC_NONE) continue;
-        pc_vec3 sum = pc_add(pc_vec3_at(p, pc_tail(&overlay->mesh, h)), pc_vec3_at(p, pc_head(&overlay->mesh, h)));
+        pc_vec3 sum =
+            pc_add(pc_vec3_at(p, pc_tail(&overlay->mesh, h)), pc_vec3_at(p, pc_head(&overlay->mesh, h)));
         pc_vec3_put(fine.mesh.position, middle[e], pc_scale(0.5, sum));
     }
     pc_index at = 0, centre = (pc_index)first_centre;

@@ -7,14 +7,15 @@
 
 typedef enum pc_ngons {
     PC_NGONS_SPLIT, /* every cell becomes quads around its centre: quads only, no T-junctions */
-    PC_NGONS_KEEP   /* the cells themselves; T-junctions are listed by the polygons on both sides. A cell whose rim comes
-                       by a node twice is split as above */
+    PC_NGONS_KEEP /* the cells themselves; T-junctions are listed by the polygons on both sides. A cell whose
+                     rim comes by a node twice is split as above */
 } pc_ngons;
 
-/* All vertices lie on the scan. With PC_NGONS_SPLIT a cell of n sides gives n quads (its centre, two middles of sides,
- * a node): singularities inside cells become irregular vertices, T-junctions become pairs of valence 3 and 5, and every
- * edge has two quads by construction. With PC_NGONS_KEEP arcs between the same two nodes, and the sides of cells with
- * fewer than three, get a vertex in their middle, so that polygons stay polygons. */
+/* All vertices lie on the scan. With PC_NGONS_SPLIT a cell of n sides gives n quads (its centre, two middles
+ * of sides, a node): singularities inside cells become irregular vertices, T-junctions become pairs of
+ * valence 3 and 5, and every edge has two quads by construction. With PC_NGONS_KEEP arcs between the same two
+ * nodes, and the sides of cells with fewer than three, get a vertex in their middle, so that polygons stay
+ * polygons. */
 pc_status pc_quads_make(pc_polymesh *quads, pc_context *ctx, const pc_layout *layout, pc_ngons ngons);
 
 /* The number of faces pc_quads_make would give. */

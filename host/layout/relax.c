@@ -16,7 +16,7 @@ typedef struct relaxation {
     pc_index *hint;         /* per vertex: the scan face it was last on */
     uint8_t *border;
     uint8_t *active;
-    double *moved;          /* 3 per vertex */
+    double *moved; /* 3 per vertex */
 } relaxation;
 
 static pc_status find_neighbours(relaxation *r, pc_context *ctx) {
@@ -123,8 +123,8 @@ static void widen(relaxation *r) {
         r->active[v] = r->active[v] != 0;
 }
 
-pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, pc_context *ctx, const pc_mesh *scan,
-                   const pc_adjacency *adjacency, const pc_relax_options *options) {
+pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, pc_context *ctx,
+                   const pc_mesh *scan, const pc_adjacency *adjacency, const pc_relax_options *options) {
     pc_status status = PC_OK;
     relaxation r = {.quads = quads, .scan = scan};
     *stats = (pc_relax_stats){0};
@@ -155,6 +155,8 @@ pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, pc_context *ctx, c
     }
     memset(r.active, 0, quads->vertex_count);
     stats->bad_after = activate(&r, options->least_sine);
+    for (pc_index f = 0; folded && f < quads->face_count; f++)
+        folded[f] = is_bad(&r, f, 0);
 done:
     pc_bvh_free(&r.tree, ctx);
     pc_free(ctx, r.scan_normal);

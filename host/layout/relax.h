@@ -8,17 +8,20 @@
 typedef struct pc_relax_options {
     double least_sine; /* corners whose sine against the scan's normal is below this are bad */
     int rounds;        /* each moves the vertices of bad faces and, from round to round, more around them */
-    int smooth_rounds; /* gentle rounds over all interior vertices before, each halfway to their neighbours' mean */
+    int smooth_rounds; /* gentle rounds over all interior vertices before, each halfway to their neighbours'
+                          mean */
 } pc_relax_options;
-#define PC_RELAX_DEFAULTS {0.15, 24, 2}
+#define PC_RELAX_DEFAULTS                                                                                    \
+    { 0.15, 24, 2 }
 
 typedef struct pc_relax_stats {
     pc_index bad_before, bad_after; /* faces */
 } pc_relax_stats;
 
-/* Vertices move to the mean of their neighbours and back onto `scan` (its closest point); border vertices stay. Same
- * result for any number of threads. */
-pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, pc_context *ctx, const pc_mesh *scan,
-                   const pc_adjacency *adjacency, const pc_relax_options *options);
+/* `folded` (per face, or NULL) gets 1 where a face still is upside down at some corner. Vertices move to the
+ * mean of their neighbours and back onto `scan` (its closest point); border vertices stay. Same result for
+ * any number of threads. */
+pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, pc_context *ctx,
+                   const pc_mesh *scan, const pc_adjacency *adjacency, const pc_relax_options *options);
 
 #endif

@@ -32,8 +32,8 @@ typedef struct pc_bvh_hit {
     double weight[3]; /* its barycentric coordinates there */
 } pc_bvh_hit;
 
-/* Time and memory: about 0.4 us on two cores and 32 bytes per triangle. The same tree for any number of threads.
- * PC_E_NOMEM. */
+/* Time and memory: about 0.4 us on two cores and 32 bytes per triangle. The same tree for any number of
+ * threads. PC_E_NOMEM. */
 pc_status pc_bvh_make(pc_bvh *bvh, pc_context *ctx, const pc_mesh *mesh);
 void pc_bvh_free(pc_bvh *bvh, pc_context *ctx);
 

@@ -7,10 +7,11 @@
 typedef struct pc_polymesh {
     pc_index vertex_count;
     pc_index face_count;
-    double *position;   /* 3 per vertex */
-    pc_index *start;    /* face_count+1 offsets into corner */
-    pc_index *corner;   /* vertex per corner, counter-clockwise */
-    uint8_t *corner_flat; /* per corner: 1 where the vertex is a T-junction on a straight side of this face; may be NULL */
+    double *position;     /* 3 per vertex */
+    pc_index *start;      /* face_count+1 offsets into corner */
+    pc_index *corner;     /* vertex per corner, counter-clockwise */
+    uint8_t *corner_flat; /* per corner: 1 where the vertex is a T-junction on a straight side of this face;
+                             may be NULL */
 } pc_polymesh;
 
 pc_status pc_polymesh_make(pc_polymesh *mesh, pc_context *ctx, size_t vertex_count, size_t face_count,

@@ -12,10 +12,18 @@ typedef struct pc_mesh {
 } pc_mesh;
 
 /* Half-edge 3f+k runs from corner k to corner k+1 of face f. */
-static inline pc_index pc_next(pc_index h) { return h % 3 == 2 ? h - 2 : h + 1; }
-static inline pc_index pc_prev(pc_index h) { return h % 3 == 0 ? h + 2 : h - 1; }
-static inline pc_index pc_tail(const pc_mesh *mesh, pc_index h) { return mesh->triangle[h]; }
-static inline pc_index pc_head(const pc_mesh *mesh, pc_index h) { return mesh->triangle[pc_next(h)]; }
+static inline pc_index pc_next(pc_index h) {
+    return h % 3 == 2 ? h - 2 : h + 1;
+}
+static inline pc_index pc_prev(pc_index h) {
+    return h % 3 == 0 ? h + 2 : h - 1;
+}
+static inline pc_index pc_tail(const pc_mesh *mesh, pc_index h) {
+    return mesh->triangle[h];
+}
+static inline pc_index pc_head(const pc_mesh *mesh, pc_index h) {
+    return mesh->triangle[pc_next(h)];
+}
 
 /* Arrays of the given sizes, zeroed; the mesh owns them. PC_E_NOMEM; PC_E_MESH over 2^32/3-2 faces. */
 pc_status pc_mesh_make(pc_mesh *mesh, pc_context *ctx, size_t vertex_count, size_t face_count);

@@ -5,14 +5,22 @@
 
 bool pc_cone_point(pc_point2 *point, const pc_param *param, pc_index face) {
     size_t h = 3 * (size_t)face;
-    pc_transition g = pc_transition_after(pc_transition_after(pc_transition_of(param, h), pc_transition_of(param, h + 1)),
-                                          pc_transition_of(param, h + 2));
+    pc_transition g =
+        pc_transition_after(pc_transition_after(pc_transition_of(param, h), pc_transition_of(param, h + 1)),
+                            pc_transition_of(param, h + 2));
     int64_t half = PC_PERIOD / 2;
     switch (g.turn) {
-    case 1: *point = (pc_point2){half * (g.a + g.b), half * (g.b - g.a)}; return true;
-    case 2: *point = (pc_point2){half * g.a, half * g.b}; return true;
-    case 3: *point = (pc_point2){half * (g.a - g.b), half * (g.a + g.b)}; return true;
-    default: return false;
+    case 1:
+        *point = (pc_point2){half * (g.a + g.b), half * (g.b - g.a)};
+        return true;
+    case 2:
+        *point = (pc_point2){half * g.a, half * g.b};
+        return true;
+    case 3:
+        *point = (pc_point2){half * (g.a - g.b), half * (g.a + g.b)};
+        return true;
+    default:
+        return false;
     }
 }
 
@@ -34,7 +42,8 @@ static void put_transition(pc_param *param, size_t h, pc_transition g) {
     param->shift[2 * h] = (int32_t)g.a, param->shift[2 * h + 1] = (int32_t)g.b;
 }
 
-/* Three faces (corner k, corner k+1, cone) from face `at` on. The cone's frame is that of the first corner. */
+/* Three faces (corner k, corner k+1, cone) from face `at` on. The cone's frame is that of the first corner.
+ */
 static void split_face(pc_coned *coned, pc_index at, const pc_mesh *mesh, const pc_param *param, pc_index f,
                        pc_index cone) {
     pc_transition to[3] = {{0, 0, 0},
@@ -68,7 +77,8 @@ pc_status pc_coned_make(pc_coned *coned, pc_context *ctx, const pc_mesh *mesh, c
     *coned = (pc_coned){.first_cone = mesh->vertex_count};
     for (pc_index f = 0; f < mesh->face_count; f++)
         cones += holds_cone(&point, param, mesh, f);
-    size_t vertices = (size_t)mesh->vertex_count + cones, faces = (size_t)mesh->face_count + 2 * (size_t)cones;
+    size_t vertices = (size_t)mesh->vertex_count + cones,
+           faces = (size_t)mesh->face_count + 2 * (size_t)cones;
     PC_TRY(pc_mesh_make(&coned->mesh, ctx, vertices, faces));
     coned->param = (pc_param){.vertex_count = (pc_index)vertices,
                               .face_count = (pc_index)faces,
@@ -88,7 +98,8 @@ pc_status pc_coned_make(pc_coned *coned, pc_context *ctx, const pc_mesh *mesh, c
         }
         const pc_index *t = mesh->triangle + 3 * (size_t)f;
         pc_vec3 sum = pc_add(pc_vec3_at(mesh->position, t[0]), pc_vec3_at(mesh->position, t[1]));
-        pc_vec3_put(coned->mesh.position, cone, pc_scale(1.0 / 3, pc_add(sum, pc_vec3_at(mesh->position, t[2]))));
+        pc_vec3_put(coned->mesh.position, cone,
+                    pc_scale(1.0 / 3, pc_add(sum, pc_vec3_at(mesh->position, t[2]))));
         coned->param.coordinate[2 * (size_t)cone] = (int32_t)point.s;
         coned->param.coordinate[2 * (size_t)cone + 1] = (int32_t)point.t;
         split_face(coned, at, mesh, param, f, cone++);

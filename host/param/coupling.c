@@ -21,16 +21,19 @@ static void heading(double unit[2], const pc_field *field, pc_index v, pc_vec3 e
     unit[1] = size > 0 ? s / size : 0;
 }
 
-static void couple_edge(pc_coupling *coupling, pc_index edge, const pc_mesh *mesh, const pc_adjacency *adjacency,
-                        const pc_field *field, const double *scale, double period_length) {
+static void couple_edge(pc_coupling *coupling, pc_index edge, const pc_mesh *mesh,
+                        const pc_adjacency *adjacency, const pc_field *field, const double *scale,
+                        double period_length) {
     pc_index h = adjacency->edge_half[edge], i = pc_tail(mesh, h), j = pc_head(mesh, h);
     pc_vec3 pi = pc_vec3_at(mesh->position, i), pj = pc_vec3_at(mesh->position, j), e = pc_sub(pj, pi);
     double weight = cotangent(pc_vec3_at(mesh->position, mesh->triangle[pc_prev(h)]), pi, pj);
     pc_index twin = adjacency->twin[h];
-    if (twin != PC_NONE) weight += cotangent(pc_vec3_at(mesh->position, mesh->triangle[pc_prev(twin)]), pi, pj);
+    if (twin != PC_NONE)
+        weight += cotangent(pc_vec3_at(mesh->position, mesh->triangle[pc_prev(twin)]), pi, pj);
     weight = fmin(fmax(0.5 * weight, WEIGHT_LEAST), WEIGHT_MOST);
 
-    /* K' = R90^r K_j sees the edge at its angle in K_j's frame - r*90 degrees; r is the field's own choice. */
+    /* K' = R90^r K_j sees the edge at its angle in K_j's frame - r*90 degrees; r is the field's own choice.
+     */
     double own[2], seen[2];
     heading(own, field, i, e);
     heading(seen, field, j, e);

@@ -1,6 +1,6 @@
 #include "dislocation.h"
-#include "memory.h"
 #include "coupling.h"
+#include "memory.h"
 #include "reconstruct.h"
 #include "transition.h"
 #include "vec3.h"
@@ -12,7 +12,7 @@ enum { MOST_ROUNDS = 16 };
 typedef struct label {
     double distance;
     pc_index stamp;
-    pc_index from;  /* half-edge by which the face was entered, in the face before; PC_NONE at the start */
+    pc_index from;     /* half-edge by which the face was entered, in the face before; PC_NONE at the start */
     pc_point2 burgers; /* whole periods, in the frame of the face's first corner */
     bool settled;
 } label;
@@ -41,19 +41,24 @@ typedef struct plan {
 
 static pc_transition around(const pc_param *param, pc_index f) {
     size_t h = 3 * (size_t)f;
-    return pc_transition_after(pc_transition_after(pc_transition_of(param, h), pc_transition_of(param, h + 1)),
-                               pc_transition_of(param, h + 2));
+    return pc_transition_after(
+        pc_transition_after(pc_transition_of(param, h), pc_transition_of(param, h + 1)),
+        pc_transition_of(param, h + 2));
 }
 
 /* Turns a vector from the frame of corner k of face f to that of its first corner, and back. */
 static pc_point2 to_first(const pc_param *param, pc_index f, pc_index k, pc_point2 v) {
     size_t h = 3 * (size_t)f;
-    return k == 0 ? v : k == 1 ? pc_point2_turned(v, param->turn[h]) : pc_point2_turned(v, pc_turn_back(param->turn[h + 2]));
+    return k == 0   ? v
+           : k == 1 ? pc_point2_turned(v, param->turn[h])
+                    : pc_point2_turned(v, pc_turn_back(param->turn[h + 2]));
 }
 
 static pc_point2 from_first(const pc_param *param, pc_index f, pc_index k, pc_point2 v) {
     size_t h = 3 * (size_t)f;
-    return k == 0 ? v : k == 1 ? pc_point2_turned(v, pc_turn_back(param->turn[h])) : pc_point2_turned(v, param->turn[h + 2]);
+    return k == 0   ? v
+           : k == 1 ? pc_point2_turned(v, pc_turn_back(param->turn[h]))
+                    : pc_point2_turned(v, param->turn[h + 2]);
 }
 
 /* The shift as the face across h sees it. */
@@ -133,7 +138,8 @@ static bool find_end(search *s, plan *found, pc_index start) {
                 found->exit = h;
                 return true;
             }
-            relax(s, h, top.distance + pc_distance(here, centroid(s->mesh, twin / 3)), carried(s, h, l->burgers));
+            relax(s, h, top.distance + pc_distance(here, centroid(s->mesh, twin / 3)),
+                  carried(s, h, l->burgers));
         }
     }
     return false;
@@ -189,8 +195,8 @@ static pc_status cancel_round(search *s, pc_index *cancelled, pc_context *ctx) {
     for (pc_index f = 0; f < s->mesh->face_count; f++)
         if (s->param->singular[f] == PC_DISLOCATION && find_end(s, &plans[count], f)) count++;
     qsort(plans, count, sizeof *plans, by_distance);
-    /* Others may have come closer or gone: each plan is made anew before it is carried out, and waits where its partner
-     * has gone and the next one is farther. */
+    /* Others may have come closer or gone: each plan is made anew before it is carried out, and waits where
+     * its partner has gone and the next one is farther. */
     for (size_t i = 0; i < count; i++) {
         plan now;
         if (s->param->singular[plans[i].start] != PC_DISLOCATION) continue;

@@ -22,13 +22,15 @@ done:
 }
 
 static pc_status check_edges(pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency,
-                             double period_length) {
+                             const double *scale, double period_length) {
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         pc_index i = pc_tail(mesh, adjacency->edge_half[e]), j = pc_head(mesh, adjacency->edge_half[e]);
         double length = pc_distance(pc_vec3_at(mesh->position, i), pc_vec3_at(mesh->position, j));
-        if (length >= 0.499 * period_length)
-            return pc_fail(ctx, PC_E_MESH, "edge %u-%u is %g long, too long for cells of side %g: refine first", i, j,
-                           length, period_length);
+        double side = period_length / (scale ? fmax(scale[i], scale[j]) : 1);
+        if (length >= 0.499 * side)
+            return pc_fail(ctx, PC_E_MESH,
+                           "edge %u-%u is %g long, too long for cells of side %g: refine first", i, j, length,
+                           side);
     }
     return PC_OK;
 }
@@ -55,14 +57,14 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     double *phase = NULL;
     *param = (pc_param){0};
     *stats = (pc_param_stats){0};
-    PC_TRY(check_edges(ctx, mesh, adjacency, options->period_length));
+    PC_TRY(check_edges(ctx, mesh, adjacency, scale, options->period_length));
     PC_TRY(make_arrays(param, ctx, mesh, options->period_length));
     PC_TRY(pc_coupling_make(&coupling, ctx, device, mesh, adjacency, field, scale, options->period_length));
     PC_TRY(pc_edge_rows_make(&rows, ctx, mesh, adjacency));
     PC_TRY(pc_new(&phase, ctx, 4 * (size_t)mesh->vertex_count));
     pgp_options.seed = options->seed;
-    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &rows, &coupling, options->period_length,
-                        &pgp_options));
+    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &rows, &coupling,
+                        options->period_length, &pgp_options));
     stats->energy = solved.energy;
     stats->iterations = solved.iterations;
     for (size_t i = 0; i < 4 * (size_t)mesh->vertex_count; i++)
@@ -71,16 +73,18 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_free(ctx, phase);
     phase = NULL;
     count_flags(stats, param);
-    pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
+    pc_log(ctx, PC_LOG_DEBUG,
+           "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
-    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, &solver, tolerance, &stats->iterations));
+    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, &solver,
+                        tolerance, &stats->iterations));
     pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
     pc_reconstruct_flags(param, mesh);
     if (options->cancel_reach > 0) {
         PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, mesh, adjacency,
                                       options->cancel_reach * options->period_length));
-        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, &solver, tolerance,
-                            &stats->iterations));
+        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, &solver,
+                            tolerance, &stats->iterations));
         pc_reconstruct_torn(param, mesh, adjacency, &coupling);
         pc_reconstruct_flags(param, mesh);
     }
@@ -88,7 +92,8 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     solver = NULL;
     PC_TRY(pc_untangle(param, ctx, mesh, adjacency));
     count_flags(stats, param);
-    pc_log(ctx, PC_LOG_DEBUG, "%u dislocations cancelled; left: %u dislocations, %u field singularities, %u flipped",
+    pc_log(ctx, PC_LOG_DEBUG,
+           "%u dislocations cancelled; left: %u dislocations, %u field singularities, %u flipped",
            stats->cancelled, stats->dislocations, stats->field_singularities, stats->flipped);
 done:
     pc_solver_free(solver, ctx);

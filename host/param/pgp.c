@@ -2,6 +2,7 @@
 #include "memory.h"
 #include "pgp_launch.h"
 #include "random.h"
+#include "topology.h"
 #include "vec3.h"
 #include <string.h>
 
@@ -17,8 +18,8 @@ static void put_entry(pc_system *system, pc_index at, int turn, double s, double
     system->turn[at] = (uint8_t)turn;
 }
 
-static void assemble(pc_system *system, const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_index *slot,
-                     const pc_coupling *coupling) {
+static void assemble(pc_system *system, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                     const pc_index *slot, const pc_coupling *coupling) {
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         int turn = coupling->turn[e], back = pc_turn_back(turn);
@@ -36,9 +37,11 @@ static void assemble(pc_system *system, const pc_mesh *mesh, const pc_adjacency 
 }
 
 pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling) {
+                          const pc_adjacency *adjacency, const pc_edge_rows *rows,
+                          const pc_coupling *coupling) {
     pc_status status = PC_OK;
-    PC_TRY(pc_system_make(system, ctx, PC_BLOCK_TURNED, mesh->vertex_count, 2 * (size_t)adjacency->edge_count));
+    PC_TRY(
+        pc_system_make(system, ctx, PC_BLOCK_TURNED, mesh->vertex_count, 2 * (size_t)adjacency->edge_count));
     memcpy(system->start, rows->start, sizeof(pc_index) * ((size_t)rows->row_count + 1));
     memcpy(system->column, rows->column, sizeof(pc_index) * 2 * (size_t)rows->edge_count);
     if (pc_device_is_host(device))
@@ -58,7 +61,8 @@ static void vertex_mass(double *mass, const pc_mesh *mesh) {
     for (pc_index f = 0; f < mesh->face_count; f++) {
         const pc_index *t = mesh->triangle + 3 * (size_t)f;
         pc_vec3 a = pc_vec3_at(mesh->position, t[0]);
-        pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, t[1]), a), pc_sub(pc_vec3_at(mesh->position, t[2]), a));
+        pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, t[1]), a),
+                             pc_sub(pc_vec3_at(mesh->position, t[2]), a));
         double third = pc_norm(n) / 6;
         for (int k = 0; k < 3; k++)
             mass[t[k]] += third;
@@ -68,6 +72,26 @@ static void vertex_mass(double *mass, const pc_mesh *mesh) {
     double least = 1e-6 * total / (mesh->vertex_count ? mesh->vertex_count : 1);
     for (pc_index v = 0; v < mesh->vertex_count; v++)
         if (mass[v] < least) mass[v] = least;
+}
+
+/* Per vertex the least shift: a reach beyond the vertex's component serves nothing and leaves a singular
+ * system. */
+static pc_status least_shifts(double *least, pc_context *ctx, const pc_mesh *mesh,
+                              const pc_adjacency *adjacency) {
+    pc_status status = PC_OK;
+    pc_topology topology = {0};
+    double total = 0;
+    PC_TRY(pc_topology_make(&topology, ctx, mesh, adjacency));
+    for (pc_index c = 0; c < topology.component_count; c++)
+        total += topology.component[c].area;
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        double area = fmax(topology.component[topology.face_component[f]].area, 1e-12 * total);
+        for (int k = 0; k < 3; k++)
+            least[mesh->triangle[3 * (size_t)f + (size_t)k]] = area > 0 ? 0.25 / area : 0;
+    }
+done:
+    pc_topology_free(&topology, ctx);
+    return status;
 }
 
 pc_status pc_pgp_normalise(double *phase, pc_context *ctx, pc_device *device, pc_index count) {
@@ -114,7 +138,7 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     pc_status status = PC_OK;
     pc_system system = {0};
     pc_solver *solver = NULL;
-    double *mass = NULL, *rhs = NULL, *degree = NULL, *diagonal = NULL;
+    double *mass = NULL, *rhs = NULL, *degree = NULL, *diagonal = NULL, *least = NULL;
     const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
     const double worst = 0.1; /* each step only has to bring the phases on */
     pc_index n = mesh->vertex_count;
@@ -126,13 +150,16 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     PC_TRY(pc_pgp_assemble(&system, ctx, device, mesh, adjacency, rows, coupling));
     PC_TRY(pc_new(&degree, ctx, n));
     PC_TRY(pc_new(&diagonal, ctx, n));
+    PC_TRY(pc_new(&least, ctx, n));
+    PC_TRY(least_shifts(least, ctx, mesh, adjacency));
     memcpy(degree, system.diagonal, sizeof(double) * n);
     for (int step = 0; step < options->steps; step++) {
         double f = options->steps > 1 ? (double)step / (options->steps - 1) : 1;
-        double reach = period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
+        double reach =
+            period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
         double shift = 1 / (reach * reach);
         for (pc_index i = 0; i < n; i++)
-            diagonal[i] = degree[i] + shift * mass[i];
+            diagonal[i] = degree[i] + fmax(shift, least[i]) * mass[i];
         if (solver) {
             PC_TRY(pc_solver_set_diagonal(solver, ctx, diagonal));
         } else {
@@ -141,7 +168,7 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
             pc_system_free(&system, ctx);
         }
         for (size_t i = 0; i < 4 * (size_t)n; i++)
-            rhs[i] = shift * mass[i / 4] * phase[i];
+            rhs[i] = fmax(shift, least[i / 4]) * mass[i / 4] * phase[i];
         pc_solver_stats solved;
         PC_TRY(pc_solver_approach(solver, ctx, phase, rhs, options->tolerance, worst, &solved));
         pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations to residual %.1e, %.2f s + %.2f s", solved.iterations,
@@ -160,5 +187,6 @@ done:
     pc_free(ctx, rhs);
     pc_free(ctx, degree);
     pc_free(ctx, diagonal);
+    pc_free(ctx, least);
     return status;
 }

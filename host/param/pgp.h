@@ -1,4 +1,5 @@
-/* The periodic unknowns of PGP: X = (cos s, sin s, cos t, sin t) per vertex, as smooth as the couplings allow. */
+/* The periodic unknowns of PGP: X = (cos s, sin s, cos t, sin t) per vertex, as smooth as the couplings
+ * allow. */
 #ifndef PC_PGP_H
 #define PC_PGP_H
 
@@ -7,31 +8,35 @@
 #include "solver.h"
 
 typedef struct pc_pgp_options {
-    double first_reach; /* diffusion lengths, in periods, of the first and the last normalise-and-solve step; */
-    double last_reach;  /* long reaches let dislocations find and cancel each other */
+    double
+        first_reach; /* diffusion lengths, in periods, of the first and the last normalise-and-solve step; */
+    double last_reach; /* long reaches let dislocations find and cancel each other */
     int steps;
-    double tolerance;   /* relative residual of each solve */
-    uint64_t seed;      /* of the start where `phase` holds zeros */
+    double tolerance; /* relative residual of each solve */
+    uint64_t seed;    /* of the start where `phase` holds zeros */
 } pc_pgp_options;
-#define PC_PGP_DEFAULTS {8.0, 0.7, 12, 1e-3, 1}
+#define PC_PGP_DEFAULTS                                                                                      \
+    { 8.0, 0.7, 12, 1e-3, 1 }
 
 typedef struct pc_pgp_stats {
-    double energy;             /* sum of weight * |M^r X_j - D X_i|^2 over the edges, norms 1 */
-    pc_index iterations;       /* of the linear solver, all steps */
+    double energy;       /* sum of weight * |M^r X_j - D X_i|^2 over the edges, norms 1 */
+    pc_index iterations; /* of the linear solver, all steps */
     double seconds_in_solver;
 } pc_pgp_stats;
 
-/* The system whose quadratic form is sum_e weight_e |M^r X_j - D(advance) X_i|^2, made by this call: by the kernel
- * pgp_assemble or, on the host device, in plain C; they agree to rounding. */
+/* The system whose quadratic form is sum_e weight_e |M^r X_j - D(advance) X_i|^2, made by this call: by the
+ * kernel pgp_assemble or, on the host device, in plain C; they agree to rounding. */
 pc_status pc_pgp_assemble(pc_system *system, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency, const pc_edge_rows *rows, const pc_coupling *coupling);
+                          const pc_adjacency *adjacency, const pc_edge_rows *rows,
+                          const pc_coupling *coupling);
 
 /* U and V of each of `count` vertices brought to norm 1; zeros become 1. Kernel pgp_normalise or plain C. */
 pc_status pc_pgp_normalise(double *phase, pc_context *ctx, pc_device *device, pc_index count);
 
-/* Fills phase (4 per vertex, U and V of norm 1). No vertex is pinned: each step solves (A + M/reach^2) Y = M X/reach^2
- * and sets X = Y with U and V brought back to norm 1, which keeps the norms from decaying (the paper's penalty, digest
- * C24, serves the same end; pinning lets |X| fall to 1e-16 over a million vertices). */
+/* Fills phase (4 per vertex, U and V of norm 1). No vertex is pinned: each step solves (A + M/reach^2) Y = M
+ * X/reach^2 and sets X = Y with U and V brought back to norm 1, which keeps the norms from decaying (the
+ * paper's penalty, digest C24, serves the same end; pinning lets |X| fall to 1e-16 over a million vertices).
+ */
 pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_device *device,
                        const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_edge_rows *rows,
                        const pc_coupling *coupling, double period_length, const pc_pgp_options *options);

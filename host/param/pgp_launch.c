@@ -40,7 +40,7 @@ typedef struct vertices {
 
 static void free_vertices(vertices *v, pc_context *ctx) {
     pc_buffer *all[] = {v->high, v->low, v->normal, v->direction, v->scale};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+    for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
         pc_buffer_free(all[k], ctx);
 }
 

@@ -12,8 +12,8 @@ int32_t pc_fixed_coordinate(double periods) {
     return fixed & (PC_PERIOD - 1);
 }
 
-/* The whole number nearest to advance - (to-from)/PC_PERIOD, halves away from zero, in integers: every device finds the
- * same. */
+/* The whole number nearest to advance - (to-from)/PC_PERIOD, halves away from zero, in integers: every device
+ * finds the same. */
 static int32_t whole_periods(float advance, int64_t from, int64_t to) {
     float scaled = advance * PC_PERIOD, whole = floorf(scaled);
     int64_t steps = (int64_t)whole - (to - from);
@@ -67,10 +67,10 @@ void pc_reconstruct_flags(pc_param *param, const pc_mesh *mesh) {
             pc_transition_of(param, h + 2));
         pc_point2 p[3];
         pc_param_corners(p, param, mesh->triangle, f);
-        param->singular[f] = once.turn            ? PC_FIELD_SINGULARITY
-                             : once.a || once.b   ? PC_DISLOCATION
+        param->singular[f] = once.turn                               ? PC_FIELD_SINGULARITY
+                             : once.a || once.b                      ? PC_DISLOCATION
                              : pc_point2_area(p[0], p[1], p[2]) <= 0 ? PC_FLIPPED
-                                                  : PC_REGULAR;
+                                                                     : PC_REGULAR;
     }
 }
 

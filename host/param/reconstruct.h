@@ -5,9 +5,9 @@
 #include "coupling.h"
 #include "param.h"
 
-/* Fills turn, shift, coordinate and singular of `param` (arrays already made) from phases (4 per vertex), by kernels or,
- * on the host device, in plain C; both give the same transitions for the same coordinates, and coordinates that differ
- * by rounding. PC_E_DEVICE, PC_E_NOMEM, PC_E_INTERRUPT. */
+/* Fills turn, shift, coordinate and singular of `param` (arrays already made) from phases (4 per vertex), by
+ * kernels or, on the host device, in plain C; both give the same transitions for the same coordinates, and
+ * coordinates that differ by rounding. PC_E_DEVICE, PC_E_NOMEM, PC_E_INTERRUPT. */
 pc_status pc_reconstruct(pc_param *param, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                          const pc_adjacency *adjacency, const pc_coupling *coupling, const double *phase);
 /* The fixed-point number for x periods: odd, so that no iso-line meets a vertex; reduced to one period. */

@@ -16,10 +16,14 @@ typedef struct pc_point2 {
 
 static inline pc_point2 pc_point2_turned(pc_point2 p, int turn) {
     switch (turn & 3) {
-    case 0: return p;
-    case 1: return (pc_point2){p.t, -p.s};
-    case 2: return (pc_point2){-p.s, -p.t};
-    default: return (pc_point2){-p.t, p.s};
+    case 0:
+        return p;
+    case 1:
+        return (pc_point2){p.t, -p.s};
+    case 2:
+        return (pc_point2){-p.s, -p.t};
+    default:
+        return (pc_point2){-p.t, p.s};
     }
 }
 
@@ -45,9 +49,10 @@ static inline pc_transition pc_transition_of(const pc_param *param, size_t h) {
     return (pc_transition){param->turn[h], param->shift[2 * h], param->shift[2 * h + 1]};
 }
 
-/* The corners of a face in the frame of its first corner, closed or not (the third by way of the second's half-edge
- * backwards: half-edge 3f+2). */
-static inline void pc_param_corners(pc_point2 corner[3], const pc_param *param, const pc_index *triangle, size_t face) {
+/* The corners of a face in the frame of its first corner, closed or not (the third by way of the second's
+ * half-edge backwards: half-edge 3f+2). */
+static inline void pc_param_corners(pc_point2 corner[3], const pc_param *param, const pc_index *triangle,
+                                    size_t face) {
     pc_transition to1 = pc_transition_of(param, 3 * face);
     pc_transition to2 = pc_transition_inverse(pc_transition_of(param, 3 * face + 2));
     const int32_t *c = param->coordinate;

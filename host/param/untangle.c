@@ -25,10 +25,11 @@ static bool is_tangled(const patch *p, pc_index f) {
     if (p->param->singular[f] != PC_FIELD_SINGULARITY || !pc_cone_point(&cone, p->param, f)) return false;
     pc_param_corners(corner, p->param, p->mesh->triangle, f);
     pc_transition across = pc_transition_of(p->param, 3 * (size_t)f + 1);
-    pc_point2 third = pc_transition_apply(pc_transition_of(p->param, 3 * (size_t)f),
-                                          pc_transition_apply(across, coordinate(p->param, p->mesh->triangle[3 * (size_t)f + 2])));
-    return pc_point2_area(corner[0], corner[1], cone) <= 0 || pc_point2_area(corner[2], corner[0], cone) <= 0 ||
-           pc_point2_area(corner[1], third, cone) <= 0;
+    pc_point2 third = pc_transition_apply(
+        pc_transition_of(p->param, 3 * (size_t)f),
+        pc_transition_apply(across, coordinate(p->param, p->mesh->triangle[3 * (size_t)f + 2])));
+    return pc_point2_area(corner[0], corner[1], cone) <= 0 ||
+           pc_point2_area(corner[2], corner[0], cone) <= 0 || pc_point2_area(corner[1], third, cone) <= 0;
 }
 
 typedef struct mean {
@@ -49,10 +50,12 @@ static void gather(mean *m, const patch *p, pc_index v) {
     while (h != PC_NONE) {
         pc_index back = pc_prev(h);
         pc_point2 cone;
-        add_to_mean(m, pc_transition_apply(pc_transition_of(p->param, h), coordinate(p->param, pc_head(p->mesh, h))));
+        add_to_mean(
+            m, pc_transition_apply(pc_transition_of(p->param, h), coordinate(p->param, pc_head(p->mesh, h))));
         if (p->param->singular[h / 3] == PC_FIELD_SINGULARITY && pc_cone_point(&cone, p->param, h / 3)) {
             size_t base = 3 * (size_t)(h / 3);
-            if (h % 3 == 1) cone = pc_transition_apply(pc_transition_inverse(pc_transition_of(p->param, base)), cone);
+            if (h % 3 == 1)
+                cone = pc_transition_apply(pc_transition_inverse(pc_transition_of(p->param, base)), cone);
             if (h % 3 == 2) cone = pc_transition_apply(pc_transition_of(p->param, base + 2), cone);
             add_to_mean(m, cone);
         }
@@ -112,7 +115,8 @@ pc_status pc_untangle(pc_param *param, pc_context *ctx, const pc_mesh *mesh, con
         pc_index tangled = 0, cones = 0;
         for (pc_index f = 0; f < mesh->face_count; f++)
             if (is_tangled(&p, f)) tangled++, cones += param->singular[f] == PC_FIELD_SINGULARITY;
-        pc_log(ctx, PC_LOG_DEBUG, "untangle round %d: %u faces tangled, %u of them cones, %u vertices", round, tangled, cones, count);
+        pc_log(ctx, PC_LOG_DEBUG, "untangle round %d: %u faces tangled, %u of them cones, %u vertices", round,
+               tangled, cones, count);
         if (count == 0) break;
         for (int sweep = 0; sweep < SWEEPS; sweep++)
             for (pc_index i = 0; i < count; i++)

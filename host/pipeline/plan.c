@@ -10,7 +10,9 @@ static const double triangles_per_quad = 25;
 
 double pc_plan_edge(const pc_convert_options *options, double area, double mean_edge) {
     if (options->quads) return sqrt(area / (double)options->quads);
-    return options->edge_length > 0 ? options->edge_length : options->edge_factor * mean_edge;
+    if (options->edge_length > 0) return options->edge_length;
+    if (options->edge_factor > 0) return options->edge_factor * mean_edge;
+    return fmin(PC_DEFAULT_EDGE_FACTOR * mean_edge, sqrt(area / PC_DEFAULT_LEAST_QUADS));
 }
 
 pc_status pc_plan_make(pc_convert_plan *plan, pc_run *run) {

@@ -115,7 +115,7 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
         pc_json_integer(json, "quads", (int64_t)options->quads);
     else if (options->edge_length > 0)
         pc_json_number(json, "edge_length", options->edge_length);
-    else
+    else if (options->edge_factor > 0)
         pc_json_number(json, "edge_factor", options->edge_factor);
     pc_json_string(json, "ngons", options->keep_ngons ? "keep" : "split");
     pc_json_string(json, "device", options->device ? options->device : "default");

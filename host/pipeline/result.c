@@ -1,5 +1,4 @@
 #include "result.h"
-#include "curvature_store.h"
 #include "folder.h"
 #include "memory.h"
 #include "scan.h"

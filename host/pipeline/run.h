@@ -38,10 +38,15 @@ typedef struct pc_stage_event {
 
 typedef void pc_stage_sink(void *user, const pc_stage_event *event);
 
+/* Without any wish the quads are ten mean edges of the scan long (digest C21), but where that would leave
+ * fewer than these many of them, and with them none of the shape of a small scan, they are shorter. */
+#define PC_DEFAULT_EDGE_FACTOR 10.0
+#define PC_DEFAULT_LEAST_QUADS 4000.0
+
 typedef struct pc_convert_options {
     uint64_t quads;     /* how many are wanted; 0: by length */
     double edge_length; /* of the quads, model units; 0: by factor */
-    double edge_factor; /* times the mean edge of the scan */
+    double edge_factor; /* times the mean edge of the scan; 0: by default 10, see PC_DEFAULT_LEAST_QUADS */
     int keep_ngons;     /* 1: cells that are not quads stay whole; 0: they are split into quads */
     const char *device; /* NULL: the default */
     bool curl_correction;
@@ -62,8 +67,8 @@ typedef struct pc_convert_options {
 } pc_convert_options;
 #define PC_CONVERT_DEFAULTS                                                                                  \
     {                                                                                                        \
-        .edge_factor = 10, .smoothness = -1, .last = PC_STAGE_EXPORT, .min_component = 1, .seed = 1,         \
-        .pictures = true, .stop_after = PC_STAGE_COUNT                                                       \
+        .smoothness = -1, .last = PC_STAGE_EXPORT, .min_component = 1, .seed = 1, .pictures = true,          \
+        .stop_after = PC_STAGE_COUNT                                                                         \
     }
 
 /* Converts the scan at `scan` into the folder `out`, which is made; what is there already is refused unless

@@ -1,5 +1,4 @@
 /* Curvature: the normal-cycle tensor at each vertex. */
-#include "curvature_store.h"
 #include "stage.h"
 #include "user_order.h"
 #include <stdio.h>

@@ -2,6 +2,7 @@
 #include "singularity.h"
 #include "stage.h"
 #include "user_order.h"
+#include <math.h>
 #include <stdio.h>
 
 static pc_field_options field_options(const pc_convert_options *wish) {
@@ -37,7 +38,9 @@ static void put_facts(pc_run *run, pc_json *facts) {
 
 static pc_status make(pc_run *run, pc_json *facts) {
     const pc_held_mesh *held = &run->product.mesh;
-    const pc_field_options options = field_options(run->options);
+    pc_field_options options = field_options(run->options);
+    /* Features smaller than a cell only cost singularities; a horn of a few cells needs all of its own. */
+    options.feature_length = fmax(4 * held->mean_edge, 1.5 * held->period);
     pc_status status = pc_field_make(&run->product.field, run->ctx, run->device, &held->mesh,
                                      &held->adjacency, &run->product.curvature, &options);
     if (status == PC_OK) put_facts(run, facts);

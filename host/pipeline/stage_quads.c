@@ -1,7 +1,5 @@
 /* Quads: the polygons of the layout's cells. */
-#include "doublet.h"
-#include "quads.h"
-#include "relax.h"
+#include "remesh.h"
 #include "stage.h"
 #include <stdio.h>
 
@@ -11,16 +9,11 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
 
 static pc_status make(pc_run *run, pc_json *facts) {
     pc_polymesh *quads = &run->product.quads;
-    pc_index four = 0, doublets = 0;
-    pc_relax_stats relaxed = {0};
-    const pc_relax_options relax_options = PC_RELAX_DEFAULTS;
-    pc_status status = pc_quads_make(quads, run->ctx, &run->product.layout,
-                                     run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT);
-    if (status != PC_OK) return status;
-    if (!run->options->keep_ngons) status = pc_doublets_remove(quads, &doublets, run->ctx);
-    if (status == PC_OK)
-        status = pc_relax(quads, &relaxed, run->ctx, &run->product.mesh.mesh, &run->product.mesh.adjacency,
-                          &relax_options);
+    pc_index four = 0;
+    pc_remesh_quads_stats made;
+    pc_status status = pc_remesh_quads(quads, NULL, &made, run->ctx, &run->product.layout,
+                                       run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT,
+                                       &run->product.mesh.mesh, &run->product.mesh.adjacency);
     if (status != PC_OK) return status;
     for (pc_index f = 0; f < quads->face_count; f++) {
         pc_index sides = 0;
@@ -31,9 +24,9 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_json_integer(facts, "vertices", quads->vertex_count);
     pc_json_integer(facts, "faces", quads->face_count);
     pc_json_integer(facts, "quads", four);
-    pc_json_integer(facts, "doublets_removed", doublets);
-    pc_json_integer(facts, "badly_shaped_before", relaxed.bad_before);
-    pc_json_integer(facts, "badly_shaped", relaxed.bad_after);
+    pc_json_integer(facts, "doublets_removed", made.doublets);
+    pc_json_integer(facts, "badly_shaped_before", made.relaxed.bad_before);
+    pc_json_integer(facts, "badly_shaped", made.relaxed.bad_after);
     (void)snprintf(run->record[PC_STAGE_QUADS].note, sizeof run->record->note, "%u faces, %.2f %% quads",
                    quads->face_count, quads->face_count ? 100.0 * four / quads->face_count : 0);
     return PC_OK;

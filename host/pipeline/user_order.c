@@ -42,8 +42,6 @@ static pc_status gather_rows(void **out, pc_context *ctx, const void *in, size_t
 }
 
 static pc_status copy_bytes(void **out, pc_context *ctx, const void *in, size_t bytes) {
-    *out = NULL;
-    if (!in) return PC_OK;
     pc_status status = pc_alloc_bytes(out, ctx, bytes, 1);
     if (status == PC_OK) memcpy(*out, in, bytes);
     return status;

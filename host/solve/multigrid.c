@@ -261,7 +261,8 @@ void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx) {
         pc_blockmat_free(&level->matrix, ctx);
         pc_blockmat_free(&level->prolongator, ctx);
         pc_blockmat_free(&level->restriction, ctx);
-        float **vectors[6] = {&level->x, &level->x_other, &level->d, &level->b, &level->r, &level->first_diagonal};
+        float **vectors[6] = {&level->x, &level->x_other, &level->d,
+                              &level->b, &level->r,       &level->first_diagonal};
         for (int v = 0; v < 6; v++) {
             pc_free(ctx, *vectors[v]);
             *vectors[v] = NULL;

@@ -117,7 +117,8 @@ pc_status pc_solver_set_diagonal(pc_solver *solver, pc_context *ctx, const doubl
     double begin = pc_clock_wall();
     for (pc_index i = 0; i < solver->row_count; i++)
         if (!(diagonal[i] >= first[i] * (1 - 1e-12)) || !isfinite(diagonal[i]))
-            return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i, first[i], diagonal[i]);
+            return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i, first[i],
+                           diagonal[i]);
     if (solver->devsolve || solver->has_cycle)
         PC_TRY(pc_multigrid_set_diagonal(&solver->multigrid, ctx, diagonal, first));
     if (solver->devsolve)
@@ -222,7 +223,8 @@ pc_status pc_solver_approach(pc_solver *solver, pc_context *ctx, double *x, cons
     pc_status status = pc_solver_solve(solver, ctx, x, b, tolerance, stats);
     if (status != PC_E_NOCONV || !(stats->residual <= worst)) return status;
     pc_context_clear_message(ctx);
-    pc_log(ctx, PC_LOG_WARNING, "a solve went on from the relative residual %.3g after %u iterations; asked: %.3g",
+    pc_log(ctx, PC_LOG_WARNING,
+           "a solve went on from the relative residual %.3g after %u iterations; asked: %.3g",
            stats->residual, stats->iterations, tolerance);
     return PC_OK;
 }

@@ -122,7 +122,7 @@ static void same_coordinates(const pair *p, pc_context *ctx, const double *phase
 
 static void compare(pc_context *ctx, int kind, pc_shape form, bool scaled, bool split) {
     pair p = {.seed = 70 + (uint64_t)kind, .host = open_host(ctx)};
-    pc_edge_rows rows;
+    pc_edge_rows rows = {0};
     double *phase = NULL;
     make_mesh(&p.s.mesh, ctx, kind, p.seed);
     finish_shape(&p.s, ctx, p.host);
@@ -174,6 +174,7 @@ static void whole_stage_on_a_device(void **state) {
     pc_device *devices[2] = {open_host(ctx), open_device(ctx, PC_SHAPE_CHUNK, 0)};
     pc_param_options options = PC_PARAM_DEFAULTS;
     pc_param_stats stats[2];
+    memset(stats, 0, sizeof stats);
     make_mesh(&s.mesh, ctx, 1, 5);
     finish_shape(&s, ctx, devices[0]);
     options.period_length = 2.5 * s.longest_edge;

@@ -1,0 +1,47 @@
+/* From a direction field to quads of the wanted size: parameterize, lay out, look, and where the quads lose
+ * the scan or miss the count, once more with finer lines there or another density. */
+#ifndef PC_REMESH_H
+#define PC_REMESH_H
+
+#include "doublet.h"
+#include "quads.h"
+#include "relax.h"
+
+typedef struct pc_remesh_options {
+    double period_length; /* to start from, model units */
+    double quads;         /* wanted number of faces; 0: as many as the period gives */
+    pc_ngons ngons;
+    uint64_t seed;
+    int refinements; /* at most this many rounds of local refinement; 0: cells as equal as the field lets them
+                      */
+} pc_remesh_options;
+#define PC_REMESH_DEFAULTS                                                                                   \
+    { 0, 0, PC_NGONS_SPLIT, 1, 4 }
+
+typedef struct pc_remesh_stats {
+    pc_param_stats param;
+    pc_layout_stats layout;
+    int tries, refinements;
+    pc_index wanting;    /* scan vertices that still want finer quads at the end */
+    double finest_scale; /* 1 / the size of the smallest cells, in cells as asked */
+} pc_remesh_stats;
+
+/* Makes `param`, `layout` and `scale` (one per vertex of `mesh`: what cells are divided by, curl correction
+ * included; the caller frees it with pc_free). `curl`: a factor per vertex or NULL. */
+pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_remesh_stats *stats,
+                         pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+                         const pc_adjacency *adjacency, const pc_field *field, const double *curl,
+                         const pc_remesh_options *options);
+
+typedef struct pc_remesh_quads_stats {
+    pc_index doublets; /* removed */
+    pc_relax_stats relaxed;
+} pc_remesh_quads_stats;
+
+/* The quads of a layout in their final place: made, doublets removed, folds relaxed. `folded` (one per face,
+ * the caller frees it; or NULL) tells those that are upside down nevertheless. */
+pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
+                          const pc_layout *layout, pc_ngons ngons, const pc_mesh *mesh,
+                          const pc_adjacency *adjacency);
+
+#endif

@@ -1,0 +1,98 @@
+#include "sizing.h"
+#include "bvh.h"
+#include "memory.h"
+#include "polysurface.h"
+
+enum { MOST_SWEEPS = 64 };
+static const double FOLD_GROWTH = 1.4; /* a folded face says that cells are too large, not by how much */
+
+/* Factors from distances: how much finer the quads must be for a vertex to be within reach. */
+static pc_status want_by_distance(double *want, pc_context *ctx, const pc_mesh *scan, const double *scale,
+                                  const pc_polymesh *quads, const pc_sizing_options *options) {
+    pc_status status = PC_OK;
+    pc_mesh surface = {0};
+    pc_bvh tree = {0};
+    pc_bvh_hit *hits = NULL;
+    PC_TRY(pc_polysurface_make(&surface, NULL, ctx, quads));
+    PC_TRY(pc_bvh_make(&tree, ctx, &surface));
+    PC_TRY(pc_new(&hits, ctx, scan->vertex_count));
+    pc_bvh_closest_all(hits, &tree, scan->position, scan->vertex_count);
+    for (pc_index v = 0; v < scan->vertex_count; v++) {
+        double limit = options->reach * options->edge_length / scale[v];
+        if (hits[v].face == PC_NONE || hits[v].distance > limit)
+            want[v] = hits[v].face == PC_NONE ? options->growth
+                                              : fmin(hits[v].distance / limit + 0.2, options->growth);
+    }
+done:
+    pc_free(ctx, hits);
+    pc_bvh_free(&tree, ctx);
+    pc_mesh_free(&surface, ctx);
+    return status;
+}
+
+static pc_status want_by_folds(double *want, pc_context *ctx, const pc_mesh *scan, const pc_polymesh *quads,
+                               const uint8_t *folded) {
+    pc_bvh tree = {0};
+    pc_status status = pc_bvh_make(&tree, ctx, scan);
+    for (pc_index f = 0; status == PC_OK && f < quads->face_count; f++)
+        for (pc_index c = quads->start[f]; folded[f] && c < quads->start[f + 1]; c++) {
+            pc_bvh_hit hit = pc_bvh_closest(&tree, pc_vec3_at(quads->position, quads->corner[c]), PC_NONE);
+            for (int k = 0; hit.face != PC_NONE && k < 3; k++) {
+                pc_index v = scan->triangle[3 * (size_t)hit.face + (size_t)k];
+                want[v] = fmax(want[v], FOLD_GROWTH);
+            }
+        }
+    pc_bvh_free(&tree, ctx);
+    return status;
+}
+
+/* No vertex is coarser than its neighbour by more than the gradation allows: sweeps there and back until that
+ * holds. */
+static void grade(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency, double length) {
+    for (int sweep = 0; sweep < MOST_SWEEPS; sweep++) {
+        bool changed = false;
+        for (pc_index i = 0; i < adjacency->edge_count; i++) {
+            pc_index h = adjacency->edge_half[sweep % 2 ? adjacency->edge_count - 1 - i : i];
+            pc_index a = pc_tail(scan, h), b = pc_head(scan, h);
+            double along = pc_distance(pc_vec3_at(scan->position, a), pc_vec3_at(scan->position, b));
+            double fall = exp(-along / length);
+            if (scale[b] < scale[a] * fall * 0.999) scale[b] = scale[a] * fall, changed = true;
+            if (scale[a] < scale[b] * fall * 0.999) scale[a] = scale[b] * fall, changed = true;
+        }
+        if (!changed) break;
+    }
+}
+
+/* PGP cannot take edges of half a period: such an edge limits the scale at both its ends. */
+static void limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency,
+                           double period_length) {
+    for (pc_index e = 0; e < adjacency->edge_count; e++) {
+        pc_index a = pc_tail(scan, adjacency->edge_half[e]), b = pc_head(scan, adjacency->edge_half[e]);
+        double along = pc_distance(pc_vec3_at(scan->position, a), pc_vec3_at(scan->position, b));
+        double most = fmax(1, 0.45 * period_length / along);
+        scale[a] = fmin(scale[a], most);
+        scale[b] = fmin(scale[b], most);
+    }
+}
+
+pc_status pc_sizing_update(double *scale, pc_index *wanting, pc_context *ctx, const pc_mesh *scan,
+                           const pc_adjacency *adjacency, const pc_polymesh *quads, const uint8_t *folded,
+                           const pc_sizing_options *options) {
+    pc_status status = PC_OK;
+    double *want = NULL;
+    *wanting = 0;
+    PC_TRY(pc_new(&want, ctx, scan->vertex_count));
+    PC_TRY(want_by_distance(want, ctx, scan, scale, quads, options));
+    PC_TRY(want_by_folds(want, ctx, scan, quads, folded));
+    for (pc_index v = 0; v < scan->vertex_count; v++) {
+        if (want[v] <= 0) continue;
+        ++*wanting;
+        scale[v] = fmin(scale[v] * want[v], options->most);
+    }
+    if (*wanting == 0) goto done;
+    grade(scale, scan, adjacency, options->gradation * options->edge_length);
+    limit_by_edges(scale, scan, adjacency, options->period_length);
+done:
+    pc_free(ctx, want);
+    return status;
+}
