@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 typedef struct command {
     const char *name;
@@ -114,8 +117,17 @@ static void let_threads_sleep(char **argv) {
     if (setenv("OMP_WAIT_POLICY", "passive", 0) == 0) (void)execv("/proc/self/exe", argv);
 }
 
+/* Large blocks go back to the system when they are freed. By default the C library keeps more and more of
+ * them, and the peak of a conversion grows by half. */
+static void give_memory_back(void) {
+#ifdef M_MMAP_THRESHOLD
+    (void)mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
+}
+
 int main(int argc, char **argv) {
     let_threads_sleep(argv);
+    give_memory_back();
     pc_context *ctx = pc_context_make();
     if (!ctx) {
         (void)fprintf(stderr, "percale: out of memory\n");

@@ -1,5 +1,6 @@
 #include "field.h"
 #include "borders.h"
+#include "comb.h"
 #include "connection.h"
 #include "memory.h"
 #include "singularity.h"
@@ -126,6 +127,7 @@ pc_status pc_field_make(pc_field *field, pc_context *ctx, pc_device *device, con
     PC_TRY(border_data(&d, ctx, mesh, adjacency, &connection, &smooth, options->borders));
     PC_TRY(pc_smooth_field(field->angle, ctx, device, mesh, adjacency, &connection, d.area, d.target,
                            d.weight, &smooth));
+    PC_TRY(pc_comb_angles(field->angle, ctx, mesh, adjacency, &connection, options->symmetry));
     for (pc_index v = 0; v < mesh->vertex_count; v++) {
         pc_connection_direction(field->direction + 3 * (size_t)v, &connection, v, field->angle[v]);
         pc_vec3_put(field->normal, v, pc_vec3_at(connection.normal, v));

@@ -83,8 +83,9 @@ pc_status pc_relief_smooth(double *transport, pc_context *ctx, pc_device *device
         dual_row(&system, adjacency, connection, f, area > least ? area : least, t);
     }
     PC_TRY(pc_solver_make(&engine, ctx, device, &system, solver));
-    PC_TRY(pc_solver_solve(engine, ctx, density, excess, 1e-4, &stats));
-    pc_log(ctx, PC_LOG_DEBUG, "relief: %u iterations to residual %.1e", stats.iterations, stats.residual);
+    PC_TRY(pc_solver_approach(engine, ctx, density, excess, 1e-4, 0.1, &stats));
+    pc_log(ctx, PC_LOG_DEBUG, "relief: %u iterations to residual %.1e, %.2f s + %.2f s", stats.iterations,
+           stats.residual, stats.setup_seconds, stats.solve_seconds);
 #pragma omp parallel for schedule(static)
     for (pc_index h = 0; h < 3 * mesh->face_count; h++)
         if (adjacency->twin[h] != PC_NONE)

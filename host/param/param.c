@@ -11,7 +11,8 @@
 #include <string.h>
 
 enum { MOST_GUARDS = 4 };
-static const double LEAST_ROOM = 0.3; /* of the area asked for */
+static const double LEAST_ROOM = 0.3;             /* of the area asked for */
+static const double INTEGRATION_TOLERANCE = 1e-5; /* of the change of coordinates, itself below a period */
 
 static pc_status make_arrays(pc_param *param, pc_context *ctx, const pc_mesh *mesh, double period_length) {
     pc_status status = PC_OK;
@@ -59,6 +60,7 @@ typedef struct solving {
     const pc_coupling *coupling;
     const pc_edge_rows *rows;
     const double *scale;
+    pc_solver **solver; /* of pc_integrate */
 } solving;
 
 /* Cancels, integrates, and where a region has lost most of its room to that (a horn may live on its
@@ -80,7 +82,7 @@ static pc_status cancel_dislocations(pc_param *param, pc_param_stats *stats, con
     for (int round = 0; round < MOST_GUARDS; round++) {
         PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, s->mesh, s->adjacency, guarded, reach));
         PC_TRY(pc_integrate(param, ctx, s->device, s->mesh, s->adjacency, s->coupling, s->rows, s->field,
-                            s->scale, 1e-6, &stats->iterations));
+                            s->scale, s->solver, INTEGRATION_TOLERANCE, &stats->iterations));
         pc_reconstruct_torn(param, s->mesh, s->adjacency, s->coupling);
         pc_reconstruct_flags(param, s->mesh);
         PC_TRY(pc_squeeze_mark(guarded, &squeezed, ctx, param, s->mesh, s->rows, s->scale, LEAST_ROOM));
@@ -106,6 +108,7 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_edge_rows rows = {0};
     pc_pgp_options pgp_options = PC_PGP_DEFAULTS;
     pc_pgp_stats solved;
+    pc_solver *solver = NULL;
     double *phase = NULL;
     *param = (pc_param){0};
     *stats = (pc_param_stats){0};
@@ -122,24 +125,29 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     for (size_t i = 0; i < 4 * (size_t)mesh->vertex_count; i++)
         param->phase[i] = (float)phase[i];
     PC_TRY(pc_reconstruct(param, ctx, device, mesh, adjacency, &coupling, phase));
+    pc_free(ctx, phase);
+    phase = NULL;
     count_flags(stats, param);
     pc_log(ctx, PC_LOG_DEBUG,
            "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
-    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, 1e-6,
-                        &stats->iterations));
+    PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, &solver,
+                        INTEGRATION_TOLERANCE, &stats->iterations));
     pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
     pc_reconstruct_flags(param, mesh);
     if (options->cancel_reach > 0) {
-        const solving on = {ctx, device, mesh, adjacency, field, &coupling, &rows, scale};
+        const solving on = {ctx, device, mesh, adjacency, field, &coupling, &rows, scale, &solver};
         PC_TRY(cancel_dislocations(param, stats, &on, options->cancel_reach * options->period_length));
     }
+    pc_solver_free(solver, ctx);
+    solver = NULL;
     PC_TRY(pc_untangle(param, ctx, mesh, adjacency));
     count_flags(stats, param);
     pc_log(ctx, PC_LOG_DEBUG,
            "%u dislocations cancelled; left: %u dislocations, %u field singularities, %u flipped",
            stats->cancelled, stats->dislocations, stats->field_singularities, stats->flipped);
 done:
+    pc_solver_free(solver, ctx);
     pc_coupling_free(&coupling, ctx);
     pc_edge_rows_free(&rows, ctx);
     pc_free(ctx, phase);

@@ -138,8 +138,9 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     pc_status status = PC_OK;
     pc_system system = {0};
     pc_solver *solver = NULL;
-    double *mass = NULL, *rhs = NULL, *degree = NULL, *least = NULL;
+    double *mass = NULL, *rhs = NULL, *degree = NULL, *diagonal = NULL, *least = NULL;
     const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
+    const double worst = 0.1; /* each step only has to bring the phases on */
     pc_index n = mesh->vertex_count;
     *stats = (pc_pgp_stats){0};
     PC_TRY(pc_new(&mass, ctx, n));
@@ -148,6 +149,7 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     start_phases(phase, n, options->seed);
     PC_TRY(pc_pgp_assemble(&system, ctx, device, mesh, adjacency, rows, coupling));
     PC_TRY(pc_new(&degree, ctx, n));
+    PC_TRY(pc_new(&diagonal, ctx, n));
     PC_TRY(pc_new(&least, ctx, n));
     PC_TRY(least_shifts(least, ctx, mesh, adjacency));
     memcpy(degree, system.diagonal, sizeof(double) * n);
@@ -157,15 +159,20 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
             period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
         double shift = 1 / (reach * reach);
         for (pc_index i = 0; i < n; i++)
-            system.diagonal[i] = degree[i] + fmax(shift, least[i]) * mass[i];
-        if (solver)
-            PC_TRY(pc_solver_update(solver, ctx, &system));
-        else
+            diagonal[i] = degree[i] + fmax(shift, least[i]) * mass[i];
+        if (solver) {
+            PC_TRY(pc_solver_set_diagonal(solver, ctx, diagonal));
+        } else {
+            memcpy(system.diagonal, diagonal, sizeof(double) * n);
             PC_TRY(pc_solver_make(&solver, ctx, device, &system, &solver_options));
+            pc_system_free(&system, ctx);
+        }
         for (size_t i = 0; i < 4 * (size_t)n; i++)
             rhs[i] = fmax(shift, least[i / 4]) * mass[i / 4] * phase[i];
         pc_solver_stats solved;
-        PC_TRY(pc_solver_solve(solver, ctx, phase, rhs, options->tolerance, &solved));
+        PC_TRY(pc_solver_approach(solver, ctx, phase, rhs, options->tolerance, worst, &solved));
+        pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations to residual %.1e, %.2f s + %.2f s", solved.iterations,
+               solved.residual, solved.setup_seconds, solved.solve_seconds);
         stats->iterations += solved.iterations;
         stats->seconds_in_solver += solved.setup_seconds + solved.solve_seconds;
         PC_TRY(pc_pgp_normalise(phase, ctx, device, n));
@@ -179,6 +186,7 @@ done:
     pc_free(ctx, mass);
     pc_free(ctx, rhs);
     pc_free(ctx, degree);
+    pc_free(ctx, diagonal);
     pc_free(ctx, least);
     return status;
 }

@@ -23,11 +23,18 @@ done:
     return status;
 }
 
-void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx) {
+void pc_blockmat_free_couplings(pc_blockmat *matrix, pc_context *ctx) {
     pc_free(ctx, matrix->start);
     pc_free(ctx, matrix->column);
     pc_free(ctx, matrix->value);
     pc_free(ctx, matrix->turn);
+    matrix->start = matrix->column = NULL;
+    matrix->value = NULL;
+    matrix->turn = NULL;
+}
+
+void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx) {
+    pc_blockmat_free_couplings(matrix, ctx);
     pc_free(ctx, matrix->diagonal);
     pc_free(ctx, matrix->inverse);
     *matrix = (pc_blockmat){0};

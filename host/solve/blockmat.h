@@ -40,6 +40,8 @@ static inline int pc_form_diagonal(pc_block_form form) {
 /* Arrays for the given counts; `square` adds the diagonals. */
 pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form form, pc_index rows,
                            pc_index columns, size_t entries, bool square);
+/* Frees all but the diagonals of a square matrix. */
+void pc_blockmat_free_couplings(pc_blockmat *matrix, pc_context *ctx);
 void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx);
 
 /* y = A x (square: with its diagonal). */

@@ -131,10 +131,15 @@ static pc_status upload_part(pc_devmat_part *part, pc_context *ctx, pc_device *d
 #pragma omp parallel for schedule(static)
     for (pc_index k = 0; k < part->slices; k++)
         stage_slice(c, &s, part->first + k, s.start[k]);
+    /* Each array goes as soon as it is copied: these are the moments of most memory. */
     PC_TRY(pc_buffer_from(&part->start, ctx, device, s.start, ((size_t)part->slices + 1) * sizeof *s.start));
     PC_TRY(pc_buffer_from(&part->column, ctx, device, s.column,
                           part->entries * c->slice_rows * sizeof *s.column));
+    pc_free(ctx, s.column);
+    s.column = NULL;
     PC_TRY(pc_buffer_from(&part->value, ctx, device, s.value, part->entries * wide * sizeof *s.value));
+    pc_free(ctx, s.value);
+    s.value = NULL;
     if (c->exact)
         PC_TRY(pc_buffer_from(&part->exact, ctx, device, s.exact, part->entries * wide * sizeof *s.exact));
 done:
@@ -168,24 +173,35 @@ static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, si
     return count + 1;
 }
 
-static pc_status upload_diagonals(pc_devmat *out, pc_context *ctx, pc_device *device, const copying *c) {
+/* `from` in the order of the device, by way of `space`. */
+static pc_status write_diagonal(const pc_buffer *to, pc_context *ctx, const float *from, float *space,
+                                const pc_row_order *rows, size_t size) {
+#pragma omp parallel for schedule(static)
+    for (pc_index place = 0; place < rows->count; place++)
+        memcpy(space + size * place, from + size * rows->row[place], size * sizeof *from);
+    return pc_buffer_write(to, ctx, 0, space, size * rows->count * sizeof *space);
+}
+
+pc_status pc_devmat_set_diagonals(pc_devmat *out, pc_context *ctx, const pc_blockmat *matrix,
+                                  const pc_row_order *rows) {
     pc_status status = PC_OK;
     const size_t size = (size_t)pc_form_diagonal(out->form);
-    const size_t n = pc_devmat_padded(out) * size;
-    float *diagonal = NULL;
-    float *inverse = NULL;
-    PC_TRY(pc_new(&diagonal, ctx, n));
-    PC_TRY(pc_new(&inverse, ctx, n));
-    for (pc_index place = 0; place < c->rows->count; place++) {
-        memcpy(diagonal + size * place, c->matrix->diagonal + size * c->rows->row[place],
-               size * sizeof(float));
-        memcpy(inverse + size * place, c->matrix->inverse + size * c->rows->row[place], size * sizeof(float));
-    }
-    PC_TRY(pc_buffer_from(&out->diagonal, ctx, device, diagonal, n * sizeof *diagonal));
-    PC_TRY(pc_buffer_from(&out->inverse, ctx, device, inverse, n * sizeof *inverse));
+    float *space = NULL;
+    PC_TRY(pc_new(&space, ctx, size * rows->count));
+    PC_TRY(write_diagonal(out->diagonal, ctx, matrix->diagonal, space, rows, size));
+    PC_TRY(write_diagonal(out->inverse, ctx, matrix->inverse, space, rows, size));
 done:
-    pc_free(ctx, diagonal);
-    pc_free(ctx, inverse);
+    pc_free(ctx, space);
+    return status;
+}
+
+static pc_status upload_diagonals(pc_devmat *out, pc_context *ctx, pc_device *device, const copying *c) {
+    pc_status status = PC_OK;
+    const size_t bytes = pc_devmat_padded(out) * (size_t)pc_form_diagonal(out->form) * sizeof(float);
+    PC_TRY(pc_buffer_zeroed(&out->diagonal, ctx, device, bytes));
+    PC_TRY(pc_buffer_zeroed(&out->inverse, ctx, device, bytes));
+    PC_TRY(pc_devmat_set_diagonals(out, ctx, c->matrix, c->rows));
+done:
     return status;
 }
 

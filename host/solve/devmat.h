@@ -42,6 +42,9 @@ typedef struct pc_devmat {
  * `system`). */
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
                          const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact);
+/* The diagonals of `matrix` anew, in the order of its making. */
+pc_status pc_devmat_set_diagonals(pc_devmat *out, pc_context *ctx, const pc_blockmat *matrix,
+                                  const pc_row_order *rows);
 void pc_devmat_free(pc_devmat *matrix, pc_context *ctx);
 /* Rows on the device: whole slices. */
 static inline size_t pc_devmat_padded(const pc_devmat *matrix) {

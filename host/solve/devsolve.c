@@ -81,28 +81,49 @@ done:
     return status;
 }
 
+static pc_status write_diagonal(pc_devsolve *s, pc_context *ctx, const double *diagonal) {
+    const pc_row_order *order = &s->level[0].order;
+    double *space = NULL;
+    pc_status status = pc_new(&space, ctx, order->count);
+    if (status != PC_OK) return status;
+    for (pc_index place = 0; place < order->count; place++)
+        space[place] = diagonal[order->row[place]];
+    status = pc_buffer_write(s->diagonal, ctx, 0, space, order->count * sizeof *space);
+    pc_free(ctx, space);
+    return status;
+}
+
 /* The vectors of conjugate gradients, the diagonal, and room for partial sums. */
 static pc_status make_vectors(pc_devsolve *s, pc_context *ctx, const pc_system *system) {
     pc_status status = PC_OK;
     const devlevel *level = &s->level[0];
     const size_t padded = pc_devmat_padded(&level->matrix);
-    double *diagonal = NULL;
     pc_buffer **vectors[5] = {&s->x, &s->b, &s->r, &s->p, &s->q};
     for (int v = 0; v < 5; v++)
         PC_TRY(pc_buffer_zeroed(vectors[v], ctx, s->device, level->numbers * sizeof(double)));
     PC_TRY(pc_buffer_zeroed(&s->partial, ctx, s->device, (level->numbers / GROUP + 1) * sizeof(double)));
     PC_TRY(pc_buffer_zeroed(&s->scalars, ctx, s->device, SCALARS * sizeof(double)));
-    PC_TRY(pc_new(&diagonal, ctx, padded));
-    for (pc_index place = 0; place < level->order.count; place++)
-        diagonal[place] = system->diagonal[level->order.row[place]];
-    PC_TRY(pc_buffer_from(&s->diagonal, ctx, s->device, diagonal, padded * sizeof *diagonal));
+    PC_TRY(pc_buffer_zeroed(&s->diagonal, ctx, s->device, padded * sizeof(double)));
+    PC_TRY(write_diagonal(s, ctx, system->diagonal));
 done:
-    pc_free(ctx, diagonal);
+    return status;
+}
+
+pc_status pc_devsolve_set_diagonal(pc_devsolve *solve, pc_context *ctx, const double *diagonal,
+                                   const pc_multigrid *multigrid) {
+    pc_status status = PC_OK;
+    const size_t direct = (size_t)solve->direct_count * solve->direct_count * sizeof(float);
+    for (int k = 0; k < solve->level_count; k++)
+        PC_TRY(pc_devmat_set_diagonals(&solve->level[k].matrix, ctx, &multigrid->level[k].matrix,
+                                       &solve->level[k].order));
+    if (multigrid->inverse) PC_TRY(pc_buffer_write(solve->direct, ctx, 0, multigrid->inverse, direct));
+    PC_TRY(write_diagonal(solve, ctx, diagonal));
+done:
     return status;
 }
 
 pc_status pc_devsolve_make(pc_devsolve **solve, pc_context *ctx, pc_device *device, const pc_system *system,
-                           const pc_multigrid *multigrid) {
+                           pc_multigrid *multigrid) {
     pc_status status = PC_OK;
     pc_devsolve *s = NULL;
     *solve = NULL;
@@ -124,8 +145,10 @@ pc_status pc_devsolve_make(pc_devsolve **solve, pc_context *ctx, pc_device *devi
         for (pc_index i = 0; i < order->count; i++)
             order->row[i] = order->place[i] = i;
     }
-    for (int k = 0; k < s->level_count; k++)
+    for (int k = 0; k < s->level_count; k++) {
         PC_TRY(make_level(s, ctx, k, &multigrid->level[k], k == 0 ? system : NULL));
+        pc_multigrid_free_couplings(multigrid, ctx, k);
+    }
     if (multigrid->inverse)
         PC_TRY(pc_buffer_from(&s->direct, ctx, device, multigrid->inverse,
                               (size_t)s->direct_count * s->direct_count * sizeof(float)));

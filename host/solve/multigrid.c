@@ -163,6 +163,64 @@ done:
     return status;
 }
 
+static double mean_diagonal(const pc_blockmat *a, pc_index i) {
+    if (a->form != PC_FORM_DENSE) return (double)a->diagonal[i];
+    const float *d = a->diagonal + 16 * (size_t)i;
+    return 0.25 * ((double)d[0] + (double)d[5] + (double)d[10] + (double)d[15]);
+}
+
+static pc_status keep_first_diagonal(pc_level *level, pc_context *ctx) {
+    pc_status status = pc_new(&level->first_diagonal, ctx, level->matrix.row_count);
+    for (pc_index i = 0; status == PC_OK && i < level->matrix.row_count; i++)
+        level->first_diagonal[i] = (float)mean_diagonal(&level->matrix, i);
+    return status;
+}
+
+/* The mean diagonals of a level become those of the first time plus `change`. */
+static void raise_diagonal(pc_level *level, const double *change) {
+    pc_blockmat *a = &level->matrix;
+#pragma omp parallel for schedule(static)
+    for (pc_index i = 0; i < a->row_count; i++) {
+        double wanted = (double)level->first_diagonal[i] + change[i];
+        if (a->form != PC_FORM_DENSE) {
+            a->diagonal[i] = (float)wanted;
+            continue;
+        }
+        double more = wanted - mean_diagonal(a, i);
+        for (int k = 0; k < 16; k += 5)
+            a->diagonal[16 * (size_t)i + (size_t)k] += (float)more;
+    }
+    pc_galerkin_invert_diagonal(a);
+}
+
+pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal,
+                                    const double *first) {
+    pc_status status = PC_OK;
+    double *change = NULL;
+    double *coarse = NULL;
+    pc_index n = multigrid->level[0].matrix.row_count;
+    PC_TRY(pc_new(&change, ctx, n));
+    for (pc_index i = 0; i < n; i++)
+        change[i] = multigrid->scale * (diagonal[i] - first[i]);
+    for (int k = 0; k < multigrid->level_count; k++) {
+        pc_level *level = &multigrid->level[k];
+        raise_diagonal(level, change);
+        if (k + 1 == multigrid->level_count) break;
+        PC_TRY(pc_new(&coarse, ctx, level->aggregates.count));
+        for (pc_index i = 0; i < level->matrix.row_count; i++)
+            if (level->aggregates.of[i] != PC_NONE) coarse[level->aggregates.of[i]] += change[i];
+        pc_free(ctx, change);
+        change = coarse;
+        coarse = NULL;
+    }
+    pc_free(ctx, multigrid->inverse);
+    multigrid->inverse = NULL;
+    if (!multigrid->finest_only) PC_TRY(invert_last(multigrid, ctx));
+done:
+    pc_free(ctx, change);
+    return status;
+}
+
 static pc_status build(pc_multigrid *mg, pc_context *ctx, const pc_system *system) {
     pc_status status = PC_OK;
     bool last = false;
@@ -172,6 +230,8 @@ static pc_status build(pc_multigrid *mg, pc_context *ctx, const pc_system *syste
         PC_TRY(coarsen(mg, ctx, mg->level_count - 1, &last));
     }
     PC_TRY(invert_last(mg, ctx));
+    for (int k = 0; k < mg->level_count; k++)
+        PC_TRY(keep_first_diagonal(&mg->level[k], ctx));
     for (int k = 0; k < mg->level_count; k++)
         pc_log(ctx, PC_LOG_DEBUG, "multigrid level %d: %u rows, %u couplings, largest eigenvalue %.3f", k,
                mg->level[k].matrix.row_count, mg->level[k].matrix.start[mg->level[k].matrix.row_count],
@@ -190,6 +250,7 @@ pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_s
 pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {
     *multigrid = (pc_multigrid){.level_count = 1, .finest_only = true};
     pc_status status = finest(multigrid, ctx, system);
+    if (status == PC_OK) status = keep_first_diagonal(&multigrid->level[0], ctx);
     if (status != PC_OK) pc_multigrid_free(multigrid, ctx);
     return status;
 }
@@ -200,14 +261,22 @@ void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx) {
         pc_blockmat_free(&level->matrix, ctx);
         pc_blockmat_free(&level->prolongator, ctx);
         pc_blockmat_free(&level->restriction, ctx);
-        float **vectors[5] = {&level->x, &level->x_other, &level->d, &level->b, &level->r};
-        for (int v = 0; v < 5; v++) {
+        float **vectors[6] = {&level->x, &level->x_other, &level->d,
+                              &level->b, &level->r,       &level->first_diagonal};
+        for (int v = 0; v < 6; v++) {
             pc_free(ctx, *vectors[v]);
             *vectors[v] = NULL;
         }
     }
     pc_free(ctx, multigrid->inverse);
     multigrid->inverse = NULL;
+}
+
+void pc_multigrid_free_couplings(pc_multigrid *multigrid, pc_context *ctx, int level) {
+    pc_level *l = &multigrid->level[level];
+    pc_blockmat_free(&l->prolongator, ctx);
+    pc_blockmat_free(&l->restriction, ctx);
+    if (level + 1 < multigrid->level_count) pc_blockmat_free_couplings(&l->matrix, ctx);
 }
 
 pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {

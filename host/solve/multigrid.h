@@ -18,7 +18,8 @@ typedef struct pc_level {
     pc_blockmat prolongator; /* to this level from the next; empty on the last */
     pc_blockmat restriction;
     pc_aggregates aggregates;
-    double largest; /* eigenvalue of D^-1 A, estimated */
+    float *first_diagonal; /* of the matrix as built; in the mean for DENSE */
+    double largest;        /* eigenvalue of D^-1 A, estimated */
     pc_chebyshev chebyshev;
     float *x, *x_other, *d, *b, *r; /* of the host cycle */
 } pc_level;
@@ -37,9 +38,16 @@ pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_s
 pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
 /* New values on the same graph: groups stay, all else is made anew. On failure the hierarchy is empty. */
 pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
+/* The system's diagonal becomes `diagonal`; `first` is the one that the levels were built with, nowhere
+ * above. On coarse levels the changes are summed over the groups. Works on a hierarchy without couplings too.
+ */
+pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal,
+                                    const double *first);
 void pc_multigrid_free(pc_multigrid *multigrid, pc_context *ctx);
 /* Frees all but the groups, which an update needs. */
 void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx);
+/* Frees a level's matrix and transfers but not the diagonals; the last level's matrix stays too. */
+void pc_multigrid_free_couplings(pc_multigrid *multigrid, pc_context *ctx, int level);
 
 /* The vectors of the host cycle; not needed where a device runs it. */
 pc_status pc_multigrid_make_vectors(pc_multigrid *multigrid, pc_context *ctx);

@@ -15,7 +15,8 @@ struct pc_solver {
     pc_index row_count;
     pc_index entry_count;
     double setup_seconds;
-    pc_multigrid multigrid; /* on a device only its groups are kept here */
+    double *first_diagonal; /* of the last make or update */
+    pc_multigrid multigrid; /* on a device only its groups and diagonals are kept here */
     pc_devsolve *devsolve;  /* NULL on the host */
     pc_system system;       /* a copy; host only, as all below */
     bool has_cycle;
@@ -55,6 +56,7 @@ static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *sys
     pc_devsolve_free(s->devsolve, ctx);
     s->devsolve = NULL;
     PC_TRY(check_diagonal(ctx, system));
+    memcpy(s->first_diagonal, system->diagonal, s->row_count * sizeof *s->first_diagonal);
     if (multigrid)
         PC_TRY(pc_multigrid_update(&s->multigrid, ctx, system));
     else if (!pc_device_is_host(s->device))
@@ -65,7 +67,6 @@ static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *sys
         s->has_cycle = multigrid;
     } else {
         PC_TRY(pc_devsolve_make(&s->devsolve, ctx, s->device, system, &s->multigrid));
-        pc_multigrid_free_values(&s->multigrid, ctx);
     }
 done:
     return status;
@@ -84,6 +85,7 @@ pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device,
     s->kind = system->kind;
     s->row_count = system->row_count;
     s->entry_count = system->start[system->row_count];
+    PC_TRY(pc_new(&s->first_diagonal, ctx, s->row_count));
     PC_TRY(take_values(s, ctx, system));
     if (pc_device_is_host(device)) {
         double **vectors[4] = {&s->r, &s->z, &s->p, &s->q};
@@ -109,11 +111,31 @@ pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *
     return status;
 }
 
+pc_status pc_solver_set_diagonal(pc_solver *solver, pc_context *ctx, const double *diagonal) {
+    pc_status status = PC_OK;
+    const double *first = solver->first_diagonal;
+    double begin = pc_clock_wall();
+    for (pc_index i = 0; i < solver->row_count; i++)
+        if (!(diagonal[i] >= first[i] * (1 - 1e-12)) || !isfinite(diagonal[i]))
+            return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i, first[i],
+                           diagonal[i]);
+    if (solver->devsolve || solver->has_cycle)
+        PC_TRY(pc_multigrid_set_diagonal(&solver->multigrid, ctx, diagonal, first));
+    if (solver->devsolve)
+        PC_TRY(pc_devsolve_set_diagonal(solver->devsolve, ctx, diagonal, &solver->multigrid));
+    else
+        memcpy(solver->system.diagonal, diagonal, solver->row_count * sizeof *diagonal);
+    solver->setup_seconds = pc_clock_wall() - begin;
+done:
+    return status;
+}
+
 void pc_solver_free(pc_solver *solver, pc_context *ctx) {
     if (!solver) return;
     pc_devsolve_free(solver->devsolve, ctx);
     pc_multigrid_free(&solver->multigrid, ctx);
     pc_system_free(&solver->system, ctx);
+    pc_free(ctx, solver->first_diagonal);
     pc_free(ctx, solver->r);
     pc_free(ctx, solver->z);
     pc_free(ctx, solver->p);
@@ -192,4 +214,17 @@ pc_status pc_solver_solve(pc_solver *solver, pc_context *ctx, double *x, const d
     }
     stats->solve_seconds = pc_clock_wall() - begin;
     return status;
+}
+
+pc_status pc_solver_approach(pc_solver *solver, pc_context *ctx, double *x, const double *b, double tolerance,
+                             double worst, pc_solver_stats *stats) {
+    pc_solver_stats own;
+    if (!stats) stats = &own;
+    pc_status status = pc_solver_solve(solver, ctx, x, b, tolerance, stats);
+    if (status != PC_E_NOCONV || !(stats->residual <= worst)) return status;
+    pc_context_clear_message(ctx);
+    pc_log(ctx, PC_LOG_WARNING,
+           "a solve went on from the relative residual %.3g after %u iterations; asked: %.3g",
+           stats->residual, stats->iterations, tolerance);
+    return PC_OK;
 }

@@ -20,13 +20,20 @@ done:
     return status;
 }
 
-void pc_system_free(pc_system *system, pc_context *ctx) {
-    if (!system) return;
+void pc_system_free_couplings(pc_system *system, pc_context *ctx) {
     pc_free(ctx, system->start);
     pc_free(ctx, system->column);
-    pc_free(ctx, system->diagonal);
     pc_free(ctx, system->value);
     pc_free(ctx, system->turn);
+    system->start = system->column = NULL;
+    system->value = NULL;
+    system->turn = NULL;
+}
+
+void pc_system_free(pc_system *system, pc_context *ctx) {
+    if (!system) return;
+    pc_system_free_couplings(system, ctx);
+    pc_free(ctx, system->diagonal);
     *system = (pc_system){0};
 }
 

@@ -32,6 +32,8 @@ static inline int pc_block_width(pc_block_kind kind) {
 
 pc_status pc_system_make(pc_system *system, pc_context *ctx, pc_block_kind kind, pc_index row_count,
                          size_t entry_count);
+/* Frees all but the diagonal. */
+void pc_system_free_couplings(pc_system *system, pc_context *ctx);
 void pc_system_free(pc_system *system, pc_context *ctx);
 /* Columns ascending and in range, values finite, diagonal positive, symmetric up to rounding. PC_E_BUG else.
  */
