@@ -27,7 +27,7 @@ typedef struct pc_certificate_options {
     double reach; /* nothing of the scan is farther from the quads, or the other way, in edge lengths */
 } pc_certificate_options;
 #define PC_CERTIFICATE_DEFAULTS                                                                              \
-    { 0, 0.05, 0, 2 }
+    { 0, 0.05, 0, 3 }
 
 /* The checks, in this order:
  *   manifold            edges and vertices of the quads that are not: more than two faces, two in the same

@@ -142,6 +142,14 @@ static pc_vec3 wish(const relaxation *r, pc_index v, double fraction) {
     return count ? pc_madd(p, fraction, pc_sub(pc_scale(1.0 / count, sum), p)) : p;
 }
 
+/* On a border no vertex may come to lie on the next one. */
+static bool keeps_apart(const relaxation *r, pc_index v, pc_vec3 p) {
+    pc_vec3 a = pc_vec3_at(r->quads->position, r->along[2 * (size_t)v]);
+    pc_vec3 b = pc_vec3_at(r->quads->position, r->along[2 * (size_t)v + 1]);
+    double least = 0.2 * pc_distance(a, b);
+    return pc_distance(p, a) > least && pc_distance(p, b) > least;
+}
+
 /* All active vertices step at once, so that their order does not show. Borders move only where `slide` allows
  * it. */
 static void step(relaxation *r, double fraction, bool slide) {
@@ -155,7 +163,8 @@ static void step(relaxation *r, double fraction, bool slide) {
         pc_vec3 p = pc_vec3_at(r->moved, v);
         if (r->border[v]) {
             pc_bvh_hit hit = pc_bvh_closest(&r->rim_tree, p, PC_NONE);
-            if (hit.face != PC_NONE) p = hit.point;
+            if (hit.face == PC_NONE || !keeps_apart(r, v, hit.point)) continue;
+            p = hit.point;
         }
         pc_vec3_put(q->position, v, p);
         look_up(r, v);
