@@ -15,6 +15,9 @@ typedef struct relaxation {
     pc_index *start, *near; /* per vertex: its neighbours along edges, twice each in the interior */
     pc_index *hint;         /* per vertex: the scan face it was last on */
     uint8_t *border;
+    pc_index *along; /* 2 per vertex: its neighbours along the border, PC_NONE elsewhere */
+    pc_mesh rim;     /* the scan's border edges as triangles without area */
+    pc_bvh rim_tree;
     uint8_t *active;
     double *moved; /* 3 per vertex */
 } relaxation;
@@ -35,15 +38,36 @@ static pc_status find_neighbours(relaxation *r, pc_context *ctx) {
             r->near[r->start[v + 1]++] = q->corner[c + (k + 1) % n];
             r->near[r->start[v + 1]++] = q->corner[c + (k + n - 1) % n];
         }
-    /* In the interior each neighbour is there twice, once from either face; on a border one is there once. */
+    /* In the interior each neighbour is there twice, once from either face; along a border once. */
     PC_TRY(pc_new(&r->border, ctx, q->vertex_count));
+    PC_TRY(pc_new(&r->along, ctx, 2 * (size_t)q->vertex_count));
+    memset(r->along, 0xff, 2 * sizeof(pc_index) * q->vertex_count);
     for (pc_index v = 0; v < q->vertex_count; v++)
         for (pc_index i = r->start[v]; i < r->start[v + 1]; i++) {
             pc_index same = 0;
             for (pc_index j = r->start[v]; j < r->start[v + 1]; j++)
                 same += r->near[j] == r->near[i];
-            if (same % 2) r->border[v] = 1;
+            if (same % 2 == 0) continue;
+            if (r->border[v] < 2) r->along[2 * (size_t)v + r->border[v]] = r->near[i];
+            r->border[v]++;
         }
+done:
+    return status;
+}
+
+/* The borders of the scan, for border vertices to slide along. */
+static pc_status make_rim(relaxation *r, pc_context *ctx, const pc_adjacency *adjacency) {
+    pc_status status = PC_OK;
+    pc_index at = 0;
+    PC_TRY(pc_mesh_make(&r->rim, ctx, r->scan->vertex_count, adjacency->boundary_edge_count));
+    memcpy(r->rim.position, r->scan->position, 3 * sizeof(double) * r->scan->vertex_count);
+    for (pc_index h = 0; h < 3 * r->scan->face_count; h++) {
+        if (adjacency->twin[h] != PC_NONE) continue;
+        r->rim.triangle[at++] = pc_tail(r->scan, h);
+        r->rim.triangle[at++] = pc_head(r->scan, h);
+        r->rim.triangle[at++] = pc_head(r->scan, h);
+    }
+    PC_TRY(pc_bvh_make(&r->rim_tree, ctx, &r->rim));
 done:
     return status;
 }
@@ -76,6 +100,20 @@ static bool is_bad(const relaxation *r, pc_index f, double least_sine) {
     return false;
 }
 
+/* The face as a whole is upside down. */
+static bool is_inverted(const relaxation *r, pc_index f) {
+    const pc_polymesh *q = r->quads;
+    pc_index from = q->start[f], n = q->start[f + 1] - from;
+    pc_vec3 first = pc_vec3_at(q->position, q->corner[from]), area = {0, 0, 0}, normal = {0, 0, 0};
+    for (pc_index k = 0; k < n; k++) {
+        pc_vec3 a = pc_sub(pc_vec3_at(q->position, q->corner[from + k]), first);
+        pc_vec3 b = pc_sub(pc_vec3_at(q->position, q->corner[from + (k + 1) % n]), first);
+        area = pc_add(area, pc_cross(a, b));
+        normal = pc_add(normal, pc_vec3_at(r->normal, q->corner[from + k]));
+    }
+    return pc_dot(area, normal) <= 0;
+}
+
 static pc_index activate(relaxation *r, double least_sine) {
     pc_index bad = 0;
     const pc_polymesh *q = r->quads;
@@ -88,24 +126,38 @@ static pc_index activate(relaxation *r, double least_sine) {
     return bad;
 }
 
-/* All active vertices step at once, so that their order does not show. */
-static void step(relaxation *r, double fraction) {
+/* Where an active vertex wants to go: the mean of its neighbours, on a border of the two along it. */
+static pc_vec3 wish(const relaxation *r, pc_index v, double fraction) {
+    const double *position = r->quads->position;
+    pc_vec3 p = pc_vec3_at(position, v), sum = {0, 0, 0};
+    pc_index count = r->start[v + 1] - r->start[v];
+    if (r->border[v]) {
+        if (r->border[v] != 2) return p;
+        pc_vec3 ends = pc_add(pc_vec3_at(position, r->along[2 * (size_t)v]),
+                              pc_vec3_at(position, r->along[2 * (size_t)v + 1]));
+        return pc_madd(p, fraction, pc_sub(pc_scale(0.5, ends), p));
+    }
+    for (pc_index i = r->start[v]; i < r->start[v + 1]; i++)
+        sum = pc_add(sum, pc_vec3_at(position, r->near[i]));
+    return count ? pc_madd(p, fraction, pc_sub(pc_scale(1.0 / count, sum), p)) : p;
+}
+
+/* All active vertices step at once, so that their order does not show. Borders move only where `slide` allows
+ * it. */
+static void step(relaxation *r, double fraction, bool slide) {
     pc_polymesh *q = r->quads;
 #pragma omp parallel for schedule(static, GRAIN)
-    for (pc_index v = 0; v < q->vertex_count; v++) {
-        pc_vec3 p = pc_vec3_at(q->position, v), sum = {0, 0, 0};
-        pc_index count = r->start[v + 1] - r->start[v];
-        if (r->active[v] && !r->border[v] && count) {
-            for (pc_index i = r->start[v]; i < r->start[v + 1]; i++)
-                sum = pc_add(sum, pc_vec3_at(q->position, r->near[i]));
-            p = pc_madd(p, fraction, pc_sub(pc_scale(1.0 / count, sum), p));
-        }
-        pc_vec3_put(r->moved, v, p);
-    }
+    for (pc_index v = 0; v < q->vertex_count; v++)
+        if (r->active[v]) pc_vec3_put(r->moved, v, wish(r, v, fraction));
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index v = 0; v < q->vertex_count; v++) {
-        if (!r->active[v] || r->border[v]) continue;
-        pc_vec3_put(q->position, v, pc_vec3_at(r->moved, v));
+        if (!r->active[v] || (r->border[v] && !slide)) continue;
+        pc_vec3 p = pc_vec3_at(r->moved, v);
+        if (r->border[v]) {
+            pc_bvh_hit hit = pc_bvh_closest(&r->rim_tree, p, PC_NONE);
+            if (hit.face != PC_NONE) p = hit.point;
+        }
+        pc_vec3_put(q->position, v, p);
         look_up(r, v);
     }
 }
@@ -137,26 +189,27 @@ pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, p
     PC_TRY(pc_new(&r.active, ctx, quads->vertex_count));
     memset(r.hint, 0xff, sizeof(pc_index) * quads->vertex_count);
     PC_TRY(find_neighbours(&r, ctx));
+    PC_TRY(make_rim(&r, ctx, adjacency));
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index v = 0; v < quads->vertex_count; v++)
         look_up(&r, v);
     stats->bad_before = stats->bad_after = activate(&r, options->least_sine);
     memset(r.active, 1, quads->vertex_count);
     for (int i = 0; i < options->smooth_rounds; i++)
-        step(&r, 0.5);
+        step(&r, 0.5, false);
     for (int i = 0; i < options->rounds; i++) {
         memset(r.active, 0, quads->vertex_count);
         stats->bad_after = activate(&r, options->least_sine);
         if (stats->bad_after == 0) break;
         for (int ring = 0; ring < i / 6; ring++)
             widen(&r);
-        step(&r, 0.7);
+        step(&r, 0.7, i >= options->rounds / 4);
         PC_TRY(pc_check_interrupt(ctx));
     }
     memset(r.active, 0, quads->vertex_count);
     stats->bad_after = activate(&r, options->least_sine);
     for (pc_index f = 0; folded && f < quads->face_count; f++)
-        folded[f] = is_bad(&r, f, 0);
+        folded[f] = is_inverted(&r, f);
 done:
     pc_bvh_free(&r.tree, ctx);
     pc_free(ctx, r.scan_normal);
@@ -165,6 +218,9 @@ done:
     pc_free(ctx, r.near);
     pc_free(ctx, r.hint);
     pc_free(ctx, r.border);
+    pc_free(ctx, r.along);
+    pc_bvh_free(&r.rim_tree, ctx);
+    pc_mesh_free(&r.rim, ctx);
     pc_free(ctx, r.active);
     pc_free(ctx, r.moved);
     return status;

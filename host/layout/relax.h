@@ -18,7 +18,7 @@ typedef struct pc_relax_stats {
     pc_index bad_before, bad_after; /* faces */
 } pc_relax_stats;
 
-/* `folded` (per face, or NULL) gets 1 where a face still is upside down at some corner. Vertices move to the
+/* `folded` (per face, or NULL) gets 1 where a face still is upside down. Vertices move to the
  * mean of their neighbours and back onto `scan` (its closest point); border vertices stay. Same result for
  * any number of threads. */
 pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, pc_context *ctx,

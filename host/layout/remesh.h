@@ -16,7 +16,7 @@ typedef struct pc_remesh_options {
                       */
 } pc_remesh_options;
 #define PC_REMESH_DEFAULTS                                                                                   \
-    { 0, 0, PC_NGONS_SPLIT, 1, 4 }
+    { 0, 0, PC_NGONS_SPLIT, 1, 3 }
 
 typedef struct pc_remesh_stats {
     pc_param_stats param;

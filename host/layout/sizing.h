@@ -16,7 +16,7 @@ typedef struct pc_sizing_options {
     double gradation; /* a scale falls off by a factor e over this many edge lengths */
 } pc_sizing_options;
 #define PC_SIZING_DEFAULTS                                                                                   \
-    { 0, 0, 0.5, 2.0, 6.0, 8.0 }
+    { 0, 0, 1.0, 2.0, 6.0, 8.0 }
 
 /* Raises `scale` (one per scan vertex, 1: cells as asked) around what the quads miss and around the faces
  * with folded[f] != 0, smoothly. `wanting` counts the scan vertices that asked for it, 0 where the quads will

@@ -26,6 +26,7 @@ typedef struct search {
     const pc_mesh *mesh;
     const pc_adjacency *adjacency;
     pc_param *param;
+    const uint8_t *guarded; /* per vertex, or NULL */
     double reach;
     label *labels;
     heap_entry *heap;
@@ -101,7 +102,13 @@ static heap_entry pop(search *s) {
     return top;
 }
 
+static bool is_guarded(const search *s, pc_index f) {
+    const pc_index *t = s->mesh->triangle + 3 * (size_t)f;
+    return s->guarded && (s->guarded[t[0]] || s->guarded[t[1]] || s->guarded[t[2]]);
+}
+
 static bool takes_in(const search *s, pc_index f, pc_point2 burgers) {
+    if (is_guarded(s, f)) return false;
     if (s->param->singular[f] == PC_FIELD_SINGULARITY) return true;
     if (s->param->singular[f] != PC_DISLOCATION) return false;
     pc_transition g = around(s->param, f);
@@ -193,7 +200,8 @@ static pc_status cancel_round(search *s, pc_index *cancelled, pc_context *ctx) {
     PC_TRY(pc_new(&plans, ctx, count));
     count = 0;
     for (pc_index f = 0; f < s->mesh->face_count; f++)
-        if (s->param->singular[f] == PC_DISLOCATION && find_end(s, &plans[count], f)) count++;
+        if (s->param->singular[f] == PC_DISLOCATION && !is_guarded(s, f) && find_end(s, &plans[count], f))
+            count++;
     qsort(plans, count, sizeof *plans, by_distance);
     /* Others may have come closer or gone: each plan is made anew before it is carried out, and waits where
      * its partner has gone and the next one is farther. */
@@ -212,9 +220,9 @@ done:
 }
 
 pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_context *ctx, const pc_mesh *mesh,
-                                 const pc_adjacency *adjacency, double reach) {
+                                 const pc_adjacency *adjacency, const uint8_t *guarded, double reach) {
     pc_status status = PC_OK;
-    search s = {.mesh = mesh, .adjacency = adjacency, .param = param, .reach = reach};
+    search s = {.mesh = mesh, .adjacency = adjacency, .param = param, .guarded = guarded, .reach = reach};
     *cancelled = 0;
     PC_TRY(pc_new(&s.labels, ctx, mesh->face_count));
     PC_TRY(pc_new(&s.heap, ctx, 4 * (size_t)mesh->face_count));

@@ -11,9 +11,10 @@
 #include "param.h"
 
 /* Cancels dislocations with the nearest partner, cone or border within `reach` (model units, along the
- * surface), the closest pairs first, until none is left that has any. Transitions change, coordinates do not:
- * integrate afterwards. Flags are brought up to date. Returns in *cancelled how many have vanished. */
+ * surface), the closest pairs first, until none is left that has any. Those at vertices with guarded[v] != 0
+ * stay (NULL: none). Transitions change, coordinates do not: integrate afterwards. Flags are brought up to
+ * date. Returns in *cancelled how many have vanished. */
 pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_context *ctx, const pc_mesh *mesh,
-                                 const pc_adjacency *adjacency, double reach);
+                                 const pc_adjacency *adjacency, const uint8_t *guarded, double reach);
 
 #endif

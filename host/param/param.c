@@ -4,9 +4,15 @@
 #include "memory.h"
 #include "pgp.h"
 #include "reconstruct.h"
+#include "squeeze.h"
 #include "transition.h"
 #include "untangle.h"
 #include "vec3.h"
+#include <string.h>
+
+enum { MOST_GUARDS = 4 };
+static const double LEAST_ROOM = 0.3;             /* of the area asked for */
+static const double INTEGRATION_TOLERANCE = 1e-5; /* of the change of coordinates, itself below a period */
 
 static pc_status make_arrays(pc_param *param, pc_context *ctx, const pc_mesh *mesh, double period_length) {
     pc_status status = PC_OK;
@@ -44,6 +50,56 @@ static void count_flags(pc_param_stats *stats, const pc_param *param) {
     }
 }
 
+/* What the steps after PGP work on. */
+typedef struct solving {
+    pc_context *ctx;
+    pc_device *device;
+    const pc_mesh *mesh;
+    const pc_adjacency *adjacency;
+    const pc_field *field;
+    const pc_coupling *coupling;
+    const pc_edge_rows *rows;
+    const double *scale;
+    pc_solver **solver; /* of pc_integrate */
+} solving;
+
+/* Cancels, integrates, and where a region has lost most of its room to that (a horn may live on its
+ * dislocations alone) starts again with those dislocations guarded. */
+static pc_status cancel_dislocations(pc_param *param, pc_param_stats *stats, const solving *s, double reach) {
+    pc_status status = PC_OK;
+    pc_context *ctx = s->ctx;
+    size_t shifts = 6 * (size_t)s->mesh->face_count, coordinates = 2 * (size_t)s->mesh->vertex_count;
+    int32_t *shift = NULL, *coordinate = NULL;
+    uint8_t *guarded = NULL;
+    PC_TRY(pc_new(&shift, ctx, shifts));
+    PC_TRY(pc_new(&coordinate, ctx, coordinates));
+    PC_TRY(pc_new(&guarded, ctx, s->mesh->vertex_count));
+    memcpy(shift, param->shift, shifts * sizeof *shift);
+    memcpy(coordinate, param->coordinate, coordinates * sizeof *coordinate);
+    /* What is squeezed before anything is cancelled is not to be blamed on it, nor made worse. */
+    pc_index squeezed;
+    PC_TRY(pc_squeeze_mark(guarded, &squeezed, ctx, param, s->mesh, s->rows, s->scale, LEAST_ROOM));
+    for (int round = 0; round < MOST_GUARDS; round++) {
+        PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, s->mesh, s->adjacency, guarded, reach));
+        PC_TRY(pc_integrate(param, ctx, s->device, s->mesh, s->adjacency, s->coupling, s->rows, s->field,
+                            s->scale, s->solver, INTEGRATION_TOLERANCE, &stats->iterations));
+        pc_reconstruct_torn(param, s->mesh, s->adjacency, s->coupling);
+        pc_reconstruct_flags(param, s->mesh);
+        PC_TRY(pc_squeeze_mark(guarded, &squeezed, ctx, param, s->mesh, s->rows, s->scale, LEAST_ROOM));
+        pc_log(ctx, PC_LOG_DEBUG, "%u dislocations cancelled, %u vertices squeezed by it", stats->cancelled,
+               squeezed);
+        if (squeezed == 0 || round + 1 == MOST_GUARDS) break;
+        memcpy(param->shift, shift, shifts * sizeof *shift);
+        memcpy(param->coordinate, coordinate, coordinates * sizeof *coordinate);
+        pc_reconstruct_flags(param, s->mesh);
+    }
+done:
+    pc_free(ctx, shift);
+    pc_free(ctx, coordinate);
+    pc_free(ctx, guarded);
+    return status;
+}
+
 pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx, pc_device *device,
                         const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_field *field,
                         const double *scale, const pc_param_options *options) {
@@ -52,7 +108,6 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_edge_rows rows = {0};
     pc_pgp_options pgp_options = PC_PGP_DEFAULTS;
     pc_pgp_stats solved;
-    const double tolerance = 1e-5; /* of the change of coordinates, itself below a period */
     pc_solver *solver = NULL;
     double *phase = NULL;
     *param = (pc_param){0};
@@ -77,16 +132,12 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
            "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
     PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, &solver,
-                        tolerance, &stats->iterations));
+                        INTEGRATION_TOLERANCE, &stats->iterations));
     pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
     pc_reconstruct_flags(param, mesh);
     if (options->cancel_reach > 0) {
-        PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, mesh, adjacency,
-                                      options->cancel_reach * options->period_length));
-        PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, &solver,
-                            tolerance, &stats->iterations));
-        pc_reconstruct_torn(param, mesh, adjacency, &coupling);
-        pc_reconstruct_flags(param, mesh);
+        const solving on = {ctx, device, mesh, adjacency, field, &coupling, &rows, scale, &solver};
+        PC_TRY(cancel_dislocations(param, stats, &on, options->cancel_reach * options->period_length));
     }
     pc_solver_free(solver, ctx);
     solver = NULL;
