@@ -159,14 +159,16 @@ static void step(relaxation *r, double fraction, bool slide) {
         if (r->active[v]) pc_vec3_put(r->moved, v, wish(r, v, fraction));
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index v = 0; v < q->vertex_count; v++) {
-        if (!r->active[v] || (r->border[v] && !slide)) continue;
-        pc_vec3 p = pc_vec3_at(r->moved, v);
-        if (r->border[v]) {
-            pc_bvh_hit hit = pc_bvh_closest(&r->rim_tree, p, PC_NONE);
-            if (hit.face == PC_NONE || !keeps_apart(r, v, hit.point)) continue;
-            p = hit.point;
-        }
-        pc_vec3_put(q->position, v, p);
+        if (!r->active[v] || r->border[v]) continue;
+        pc_vec3_put(q->position, v, pc_vec3_at(r->moved, v));
+        look_up(r, v);
+    }
+    /* One after the other: each looks at where its neighbours are by now. */
+    for (pc_index v = 0; slide && v < q->vertex_count; v++) {
+        if (!r->active[v] || r->border[v] != 2) continue;
+        pc_bvh_hit hit = pc_bvh_closest(&r->rim_tree, pc_vec3_at(r->moved, v), PC_NONE);
+        if (hit.face == PC_NONE || !keeps_apart(r, v, hit.point)) continue;
+        pc_vec3_put(q->position, v, hit.point);
         look_up(r, v);
     }
 }
