@@ -1,6 +1,5 @@
 #include "doublet.h"
 #include "memory.h"
-#include <string.h>
 
 enum { MOST_PASSES = 32 };
 
@@ -32,7 +31,7 @@ static pc_index turned(pc_index first, pc_index c, pc_index by) {
 /* Faces a < b around v as a: v x p y and b: v y q x become a: x p y q. False where that is not what they are.
  */
 static bool join(pc_polymesh *quads, const touching *vertex, pc_index v, const pc_index *face_of,
-                 uint8_t *locked) {
+                 uint8_t *locked, uint8_t *removed_face) {
     pc_index ca = vertex[v].corner[0], cb = vertex[v].corner[1], a = face_of[ca], b = face_of[cb];
     if (a == b || locked[a] || locked[b] || !is_quad(quads, a) || !is_quad(quads, b)) return false;
     pc_index *corner = quads->corner, sa = quads->start[a], sb = quads->start[b];
@@ -41,59 +40,31 @@ static bool join(pc_polymesh *quads, const touching *vertex, pc_index v, const p
     if (corner[turned(sb, cb, 1)] != y || corner[turned(sb, cb, 3)] != x || p == q) return false;
     if (vertex[x].count < 3 || vertex[y].count < 3) return false;
     corner[sa] = x, corner[sa + 1] = p, corner[sa + 2] = y, corner[sa + 3] = q;
-    locked[a] = 1, locked[b] = 2;
+    locked[a] = 1, locked[b] = 1;
+    removed_face[b] = 1;
     return true;
-}
-
-/* Drops faces marked 2 and vertices that no face uses. */
-static pc_status compact(pc_polymesh *quads, pc_context *ctx, const uint8_t *locked) {
-    pc_status status = PC_OK;
-    pc_index *number = NULL, faces = 0, corners = 0, vertices = 0;
-    PC_TRY(pc_new(&number, ctx, quads->vertex_count));
-    for (pc_index f = 0; f < quads->face_count; f++) {
-        pc_index from = quads->start[f], to = quads->start[f + 1];
-        if (locked[f] == 2) continue;
-        quads->start[faces++] = corners;
-        for (pc_index c = from; c < to; c++) {
-            if (quads->corner_flat) quads->corner_flat[corners] = quads->corner_flat[c];
-            quads->corner[corners++] = quads->corner[c];
-        }
-    }
-    quads->start[faces] = corners;
-    quads->face_count = faces;
-    for (pc_index c = 0; c < corners; c++)
-        number[quads->corner[c]] = 1;
-    for (pc_index v = 0; v < quads->vertex_count; v++) {
-        if (!number[v]) continue;
-        memmove(quads->position + 3 * (size_t)vertices, quads->position + 3 * (size_t)v, 3 * sizeof(double));
-        number[v] = vertices++;
-    }
-    quads->vertex_count = vertices;
-    for (pc_index c = 0; c < corners; c++)
-        quads->corner[c] = number[quads->corner[c]];
-done:
-    pc_free(ctx, number);
-    return status;
 }
 
 static pc_status pass(pc_polymesh *quads, pc_index *removed, pc_context *ctx) {
     pc_status status = PC_OK;
     touching *vertex = NULL;
     pc_index *face_of = NULL, before = *removed;
-    uint8_t *locked = NULL;
+    uint8_t *locked = NULL, *removed_face = NULL;
     PC_TRY(gather(&vertex, ctx, quads));
     PC_TRY(pc_new(&face_of, ctx, quads->start[quads->face_count]));
     PC_TRY(pc_new(&locked, ctx, quads->face_count));
+    PC_TRY(pc_new(&removed_face, ctx, quads->face_count));
     for (pc_index f = 0; f < quads->face_count; f++)
         for (pc_index c = quads->start[f]; c < quads->start[f + 1]; c++)
             face_of[c] = f;
     for (pc_index v = 0; v < quads->vertex_count; v++)
-        if (vertex[v].count == 2 && join(quads, vertex, v, face_of, locked)) ++*removed;
-    if (*removed > before) PC_TRY(compact(quads, ctx, locked));
+        if (vertex[v].count == 2 && join(quads, vertex, v, face_of, locked, removed_face)) ++*removed;
+    if (*removed > before) PC_TRY(pc_polymesh_compact(quads, ctx, removed_face));
 done:
     pc_free(ctx, vertex);
     pc_free(ctx, face_of);
     pc_free(ctx, locked);
+    pc_free(ctx, removed_face);
     return status;
 }
 

@@ -1,10 +1,11 @@
 #include "remesh.h"
+#include "collapse.h"
 #include "memory.h"
 #include "sizing.h"
 #include "vec3.h"
 
 /* The count follows the density but for a noise of a few cells; more tries than these gain nothing. */
-enum { MOST_TRIES = 9, MOST_TRIES_FOR_COUNT = 5 };
+enum { MOST_COLLAPSES = 5, MOST_TRIES = 9, MOST_TRIES_FOR_COUNT = 5 };
 static const double CLOSE_ENOUGH = 0.02; /* the promise is 5 % */
 
 pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
@@ -12,17 +13,31 @@ pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_
                           const pc_adjacency *adjacency) {
     pc_status status = PC_OK;
     const pc_relax_options options = PC_RELAX_DEFAULTS;
+    uint8_t *upside_down = NULL;
+    pc_index bad_before = 0;
     *stats = (pc_remesh_quads_stats){0};
     if (folded) *folded = NULL;
     PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
     if (ngons == PC_NGONS_SPLIT) PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
-    if (folded) PC_TRY(pc_new(folded, ctx, quads->face_count));
-    PC_TRY(pc_relax(quads, &stats->relaxed, folded ? *folded : NULL, ctx, mesh, adjacency, &options));
-done:
-    if (status != PC_OK) {
-        pc_polymesh_free(quads, ctx);
-        if (folded) pc_free(ctx, *folded), *folded = NULL;
+    for (int round = 0;; round++) {
+        pc_index collapsed, doublets;
+        PC_TRY(pc_new(&upside_down, ctx, quads->face_count));
+        PC_TRY(pc_relax(quads, &stats->relaxed, upside_down, ctx, mesh, adjacency, &options));
+        if (round == 0) bad_before = stats->relaxed.bad_before;
+        stats->relaxed.bad_before = bad_before;
+        if (ngons == PC_NGONS_KEEP || round == MOST_COLLAPSES) break;
+        PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, upside_down));
+        if (collapsed == 0) break;
+        stats->collapsed += collapsed;
+        PC_TRY(pc_doublets_remove(quads, &doublets, ctx));
+        stats->doublets += doublets;
+        pc_free(ctx, upside_down);
+        upside_down = NULL;
     }
+    if (folded) *folded = upside_down, upside_down = NULL;
+done:
+    pc_free(ctx, upside_down);
+    if (status != PC_OK) pc_polymesh_free(quads, ctx);
     return status;
 }
 

@@ -34,7 +34,8 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
                          const pc_remesh_options *options);
 
 typedef struct pc_remesh_quads_stats {
-    pc_index doublets; /* removed */
+    pc_index doublets;  /* removed */
+    pc_index collapsed; /* quads that nothing could set upright, drawn together */
     pc_relax_stats relaxed;
 } pc_remesh_quads_stats;
 

@@ -14,6 +14,37 @@ done:
     return status;
 }
 
+pc_status pc_polymesh_compact(pc_polymesh *mesh, pc_context *ctx, const uint8_t *removed) {
+    pc_status status = PC_OK;
+    pc_index *number = NULL, faces = 0, corners = 0, vertices = 0, from = mesh->start[0];
+    PC_TRY(pc_new(&number, ctx, mesh->vertex_count));
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        pc_index to = mesh->start[f + 1];
+        if (!removed[f]) mesh->start[faces++] = corners;
+        for (pc_index c = from; c < to && !removed[f]; c++) {
+            if (mesh->corner_flat) mesh->corner_flat[corners] = mesh->corner_flat[c];
+            mesh->corner[corners++] = mesh->corner[c];
+        }
+        from = to;
+    }
+    mesh->start[faces] = corners;
+    mesh->face_count = faces;
+    for (pc_index c = 0; c < corners; c++)
+        number[mesh->corner[c]] = 1;
+    for (pc_index v = 0; v < mesh->vertex_count; v++) {
+        if (!number[v]) continue;
+        for (size_t k = 0; k < 3; k++)
+            mesh->position[3 * (size_t)vertices + k] = mesh->position[3 * (size_t)v + k];
+        number[v] = vertices++;
+    }
+    mesh->vertex_count = vertices;
+    for (pc_index c = 0; c < corners; c++)
+        mesh->corner[c] = number[mesh->corner[c]];
+done:
+    pc_free(ctx, number);
+    return status;
+}
+
 void pc_polymesh_free(pc_polymesh *mesh, pc_context *ctx) {
     if (!mesh) return;
     pc_free(ctx, mesh->position);

@@ -39,7 +39,8 @@ static void put_facts(pc_run *run, pc_json *facts) {
 static pc_status make(pc_run *run, pc_json *facts) {
     const pc_held_mesh *held = &run->product.mesh;
     pc_field_options options = field_options(run->options);
-    /* Features smaller than a cell only cost singularities; a horn a few cells around needs all of its own. */
+    /* Features smaller than a cell only cost singularities; a horn a few cells around needs all of its own.
+     */
     options.feature_length = fmax(4 * held->mean_edge, 0.75 * held->period);
     pc_status status = pc_field_make(&run->product.field, run->ctx, run->device, &held->mesh,
                                      &held->adjacency, &run->product.curvature, &options);

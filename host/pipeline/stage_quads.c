@@ -25,6 +25,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_json_integer(facts, "faces", quads->face_count);
     pc_json_integer(facts, "quads", four);
     pc_json_integer(facts, "doublets_removed", made.doublets);
+    pc_json_integer(facts, "collapsed", made.collapsed);
     pc_json_integer(facts, "badly_shaped_before", made.relaxed.bad_before);
     pc_json_integer(facts, "badly_shaped", made.relaxed.bad_after);
     (void)snprintf(run->record[PC_STAGE_QUADS].note, sizeof run->record->note, "%u faces, %.2f %% quads",
