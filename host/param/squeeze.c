@@ -69,7 +69,7 @@ pc_status pc_squeeze_mark(uint8_t *mark, pc_index *count, pc_context *ctx, const
         *values = other, other = swap;
     }
     for (pc_index i = 0; i < n; i++)
-        fresh[i] = given[i] < least * asked[i];
+        fresh[i] = given[i] < least * (scale ? fmin(fmax(scale[i], 1), 2) : 1) * asked[i];
     for (int i = 0; i < (int)fmin(rings, 8); i++) {
         uint8_t *swap = fresh;
         grow(grown, fresh, rows);
