@@ -173,6 +173,21 @@ static void step(relaxation *r, double fraction, bool slide) {
     }
 }
 
+/* Where the scan touches itself two vertices may stand on one spot and stay there. Off the scan, to the mean
+ * of its neighbours, is then the lesser evil for one that is free. */
+static void part_coincident(relaxation *r) {
+    pc_polymesh *q = r->quads;
+    for (pc_index f = 0; f < q->face_count; f++) {
+        pc_index from = q->start[f], n = q->start[f + 1] - from;
+        for (pc_index k = 0; k < n; k++) {
+            pc_index v = q->corner[from + k], w = q->corner[from + (k + 2) % n];
+            if (r->border[v] || pc_distance(pc_vec3_at(q->position, v), pc_vec3_at(q->position, w)) > 0)
+                continue;
+            pc_vec3_put(q->position, v, wish(r, v, 1));
+        }
+    }
+}
+
 static void widen(relaxation *r) {
     const pc_polymesh *q = r->quads;
     for (pc_index f = 0; f < q->face_count; f++)
@@ -217,6 +232,7 @@ pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, p
         step(&r, 0.7, i >= options->rounds / 4);
         PC_TRY(pc_check_interrupt(ctx));
     }
+    part_coincident(&r);
     memset(r.active, 0, quads->vertex_count);
     stats->bad_after = activate(&r, options->least_sine);
     for (pc_index f = 0; folded && f < quads->face_count; f++)
