@@ -5,7 +5,7 @@
 #include "transition.h"
 #include <math.h>
 
-enum { ROUNDS = 8, SWEEPS = 40 };
+enum { ROUNDS = 8, PATIENCE = 2, SWEEPS = 40 };
 
 typedef struct patch {
     const pc_mesh *mesh;
@@ -107,7 +107,8 @@ static pc_index activate(patch *p, pc_index *list, int rings) {
 pc_status pc_untangle(pc_param *param, pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency) {
     pc_status status = PC_OK;
     patch p = {.mesh = mesh, .adjacency = adjacency, .param = param};
-    pc_index *list = NULL;
+    pc_index *list = NULL, least = PC_NONE;
+    int idle = 0; /* rounds in a row that gained next to nothing */
     PC_TRY(pc_new(&p.active, ctx, mesh->vertex_count));
     PC_TRY(pc_new(&list, ctx, mesh->vertex_count));
     for (int round = 0; round < ROUNDS; round++) {
@@ -117,7 +118,9 @@ pc_status pc_untangle(pc_param *param, pc_context *ctx, const pc_mesh *mesh, con
             if (is_tangled(&p, f)) tangled++, cones += param->singular[f] == PC_FIELD_SINGULARITY;
         pc_log(ctx, PC_LOG_DEBUG, "untangle round %d: %u faces tangled, %u of them cones, %u vertices", round,
                tangled, cones, count);
-        if (count == 0) break;
+        idle = tangled < 0.99 * least ? 0 : idle + 1;
+        if (tangled < least) least = tangled;
+        if (count == 0 || idle == PATIENCE) break;
         for (int sweep = 0; sweep < SWEEPS; sweep++)
             for (pc_index i = 0; i < count; i++)
                 if (!adjacency->vertex_boundary[list[i]]) move_vertex(&p, list[i]);
