@@ -123,7 +123,8 @@ pc_status pc_integrate(pc_param *param, pc_context *ctx, pc_device *device, cons
     *iterations += solved.iterations;
 #pragma omp parallel for schedule(static, GRAIN)
     for (size_t i = 0; i < 2 * (size_t)n; i++)
-        param->coordinate[i] = (param->coordinate[i] + (int32_t)lround(change[i] * (0.5 * PC_PERIOD)) * 2) | 1;
+        param->coordinate[i] =
+            (param->coordinate[i] + (int32_t)lround(change[i] * (0.5 * PC_PERIOD)) * 2) | 1;
 done:
     pc_free(ctx, rhs);
     pc_free(ctx, change);
