@@ -57,6 +57,20 @@ static void sphere_has_the_fewest_singularities(void **state) {
     }
 }
 
+/* One direction stands for its cross; few edges turn from one to another. */
+static void fields_are_combed(void **state) {
+    pc_context *ctx = *state;
+    stage s = {0};
+    assert_ok(ctx, pc_synth_sphere(&s.mesh, ctx, 24));
+    run(&s, ctx, &field_defaults);
+    pc_index turned = 0, halves = 3 * s.mesh.face_count;
+    for (pc_index h = 0; h < halves; h++)
+        turned += s.field.turn[h] != 0;
+    assert_true(turned > 0);
+    assert_true(turned < halves / 20);
+    drop(&s, ctx);
+}
+
 static void noise_does_not_litter_a_torus(void **state) {
     pc_context *ctx = *state;
     stage s = {0};
@@ -181,6 +195,7 @@ static void survives_lack_of_memory(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(sphere_has_the_fewest_singularities, make_context, free_context),
+        cmocka_unit_test_setup_teardown(fields_are_combed, make_context, free_context),
         cmocka_unit_test_setup_teardown(noise_does_not_litter_a_torus, make_context, free_context),
         cmocka_unit_test_setup_teardown(plane_stays_constant_and_follows_its_border, make_context,
                                         free_context),

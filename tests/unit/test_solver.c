@@ -29,6 +29,7 @@ static pc_index solve_random(pc_context *ctx, const pc_system *system, pc_precon
     double *b = NULL;
     double *y = NULL;
     options.preconditioner = which;
+    if (which == PC_PRECONDITION_JACOBI) options.max_iterations = 10000;
     assert_ok(ctx, pc_device_open(&host, ctx, "host"));
     assert_ok(ctx, pc_system_check(system, ctx));
     assert_ok(ctx, pc_new(&x, ctx, n));
@@ -259,6 +260,13 @@ static void updates_and_limits(void **state) {
     assert_int_equal(stats.iterations, 3);
     assert_true(stats.residual > 1e-8 && stats.residual < 1);
     pc_context_clear_message(ctx);
+    /* Who can do with less goes on without a message. */
+    assert_int_equal(pc_solver_approach(solver, ctx, x, b, 1e-12, 0.5 * stats.residual * 1e-9, &stats),
+                     PC_E_NOCONV);
+    pc_context_clear_message(ctx);
+    assert_ok(ctx, pc_solver_approach(solver, ctx, x, b, 1e-12, 1, &stats));
+    assert_true(stats.residual > 1e-12);
+    assert_string_equal(pc_context_message(ctx), "");
     pc_solver_free(solver, ctx);
     pc_free(ctx, x);
     pc_free(ctx, b);
