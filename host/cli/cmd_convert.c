@@ -36,7 +36,8 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
         [EDGE_FACTOR] = PC_NUMBER(
             "edge-factor", &o->edge_factor, "F", 0.1, 1e6,
             "edge length of the quads, in mean edge lengths of the scan (default 10, less where that "
-            "would give fewer than 4000 quads)"),
+            "would give fewer than 4000 quads, or half as "
+            "many as there are triangles)"),
         PC_TEXT("output", 'o', &line->out, "OUT", "the folder for the results"),
         PC_CHOICE("ngons", &line->ngons, "split|keep",
                   "cells that are not quads: split into quads (default), or kept whole"),

@@ -41,7 +41,8 @@ static void reach_neighbours(combing *c, const pc_adjacency *adjacency, pc_index
 pc_status pc_comb_angles(double *angle, pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency,
                          const pc_connection *connection, int symmetry) {
     pc_status status = PC_OK;
-    combing c = {.mesh = mesh, .connection = connection, .angle = angle, .symmetry = symmetry};
+    combing c = {.mesh = mesh, .connection = connection, .symmetry = symmetry};
+    c.angle = angle;
     PC_TRY(pc_new(&c.reached, ctx, mesh->vertex_count));
     PC_TRY(pc_new(&c.queue, ctx, mesh->vertex_count));
     pc_index next = 0;

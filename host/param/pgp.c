@@ -140,7 +140,8 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
     pc_solver *solver = NULL;
     double *mass = NULL, *rhs = NULL, *degree = NULL, *diagonal = NULL, *least = NULL;
     const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
-    const double worst = 0.1; /* each step only has to bring the phases on */
+    const double worst = 0.1;      /* each step only has to bring the phases on, */
+    const double last_step = 0.01; /* but the last one is what counts */
     pc_index n = mesh->vertex_count;
     *stats = (pc_pgp_stats){0};
     PC_TRY(pc_new(&mass, ctx, n));
@@ -170,7 +171,8 @@ pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_d
         for (size_t i = 0; i < 4 * (size_t)n; i++)
             rhs[i] = fmax(shift, least[i / 4]) * mass[i / 4] * phase[i];
         pc_solver_stats solved;
-        PC_TRY(pc_solver_approach(solver, ctx, phase, rhs, options->tolerance, worst, &solved));
+        double tolerance = (step + 1 < options->steps ? 1 : last_step) * options->tolerance;
+        PC_TRY(pc_solver_approach(solver, ctx, phase, rhs, tolerance, worst, &solved));
         pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations to residual %.1e, %.2f s + %.2f s", solved.iterations,
                solved.residual, solved.setup_seconds, solved.solve_seconds);
         stats->iterations += solved.iterations;

@@ -12,7 +12,9 @@ double pc_plan_edge(const pc_convert_options *options, double area, double mean_
     if (options->quads) return sqrt(area / (double)options->quads);
     if (options->edge_length > 0) return options->edge_length;
     if (options->edge_factor > 0) return options->edge_factor * mean_edge;
-    return fmin(PC_DEFAULT_EDGE_FACTOR * mean_edge, sqrt(area / PC_DEFAULT_LEAST_QUADS));
+    /* As if the triangles were equilateral. */
+    double triangles = area / (sqrt(0.1875) * mean_edge * mean_edge);
+    return fmin(PC_DEFAULT_EDGE_FACTOR * mean_edge, sqrt(area / fmin(PC_DEFAULT_LEAST_QUADS, triangles / 2)));
 }
 
 pc_status pc_plan_make(pc_convert_plan *plan, pc_run *run) {

@@ -39,7 +39,7 @@ typedef struct pc_stage_event {
 typedef void pc_stage_sink(void *user, const pc_stage_event *event);
 
 /* Without any wish the quads are ten mean edges of the scan long (digest C21), but where that would leave
- * fewer than these many of them, and with them none of the shape of a small scan, they are shorter. */
+ * fewer than these many of them (or half as many as triangles, on small scans) they are shorter. */
 #define PC_DEFAULT_EDGE_FACTOR 10.0
 #define PC_DEFAULT_LEAST_QUADS 4000.0
 

@@ -38,6 +38,8 @@ static pc_status make(pc_run *run, pc_json *facts) {
     options.quads = (double)run->options->quads;
     options.ngons = run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT;
     options.seed = run->options->seed;
+    /* Each costs as much as all before it: on a large scan one has to do. */
+    if (p->mesh.mesh.face_count > 1000000) options.refinements = 1;
     pc_status status = pc_remesh_make(
         &p->param, &p->layout, &scale, &stats, run->ctx, run->device, &p->mesh.mesh, &p->mesh.adjacency,
         &p->field, pc_stage_wanted(PC_STAGE_CURL, run->options) ? p->scale : NULL, &options);
