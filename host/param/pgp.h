@@ -16,7 +16,7 @@ typedef struct pc_pgp_options {
     uint64_t seed;    /* of the start where `phase` holds zeros */
 } pc_pgp_options;
 #define PC_PGP_DEFAULTS                                                                                      \
-    { 8.0, 0.7, 12, 1e-2, 1 }
+    { 8.0, 0.7, 12, 2e-3, 1 }
 
 typedef struct pc_pgp_stats {
     double energy;       /* sum of weight * |M^r X_j - D X_i|^2 over the edges, norms 1 */
