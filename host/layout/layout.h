@@ -28,7 +28,6 @@ typedef struct pc_layout_stats {
     pc_index dangling_edges; /* pieces of lines removed because they ended at a singularity */
     pc_index cut_cells;      /* regions that were no disks and have been cut */
     pc_index split_cells;    /* cells that met themselves and have been split */
-    pc_index merged_cells;   /* slivers between two lines that have been given to a neighbour */
 } pc_layout_stats;
 
 /* The cells between the iso-lines of `param`. Every cell is a disk, no arc has the same cell on both sides or

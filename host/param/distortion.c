@@ -1,6 +1,7 @@
 #include "distortion.h"
 #include "deviation.h"
 #include "memory.h"
+#include "transition.h"
 #include "vec3.h"
 
 /* Of every face; weight 0 where it has no say. */
@@ -11,26 +12,11 @@ typedef struct figures {
     double *log_sum, *log_square; /* over both singular values, base 2 */
 } figures;
 
-/* S^r with S(s,t) = (t,-s). */
-static void turn(double st[2], int r) {
-    for (; r > 0; r--) {
-        double s = st[0];
-        st[0] = st[1], st[1] = -s;
-    }
-}
-
-void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mesh, pc_index f) {
-    pc_index out = 3 * f, in = 3 * f + 2; /* from corner 0 to corner 1, and from corner 2 to corner 0 */
+static void corners_in_periods(double st[3][2], const pc_param *param, const pc_mesh *mesh, pc_index f) {
+    pc_point2 corner[3];
+    pc_param_corners(corner, param, mesh->triangle, f);
     for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 2; i++)
-            st[k][i] =
-                (double)param->coordinate[2 * (size_t)mesh->triangle[3 * (size_t)f + k] + i] / PC_PERIOD;
-    turn(st[1], param->turn[out] % 4);
-    for (int i = 0; i < 2; i++) {
-        st[1][i] += param->shift[2 * (size_t)out + i];
-        st[2][i] -= param->shift[2 * (size_t)in + i];
-    }
-    turn(st[2], (4 - param->turn[in] % 4) % 4);
+        st[k][0] = (double)corner[k].s / PC_PERIOD, st[k][1] = (double)corner[k].t / PC_PERIOD;
 }
 
 /* Sander, Snyder, Gortler and Hoppe, Texture mapping progressive meshes, 2001: the two partial derivatives.
@@ -38,7 +24,7 @@ void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mes
 static void measure_face(const figures *out, const pc_mesh *mesh, const pc_param *param, pc_index f) {
     double st[3][2];
     pc_vec3 p[3];
-    pc_param_corners(st, param, mesh, f);
+    corners_in_periods(st, param, mesh, f);
     for (int k = 0; k < 3; k++)
         p[k] = pc_vec3_at(mesh->position, mesh->triangle[3 * (size_t)f + k]);
     double s1 = st[1][0] - st[0][0], t1 = st[1][1] - st[0][1];

@@ -19,7 +19,6 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_json_integer(facts, "dangling_edges", stats->dangling_edges);
     pc_json_integer(facts, "cut_cells", stats->cut_cells);
     pc_json_integer(facts, "split_cells", stats->split_cells);
-    pc_json_integer(facts, "merged_cells", stats->merged_cells);
     (void)snprintf(run->record[PC_STAGE_LAYOUT].note, sizeof run->record->note, "%u cells",
                    layout->cell_count);
     return PC_OK;
