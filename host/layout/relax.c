@@ -72,13 +72,16 @@ done:
     return status;
 }
 
-static void look_up(relaxation *r, pc_index v) {
-    pc_bvh_hit hit = pc_bvh_closest(&r->tree, pc_vec3_at(r->quads->position, v), r->hint[v]);
+/* Brings vertex v from `p` onto the scan. Where surfaces lie close together the nearest point may be on
+ * another one, with its back turned: then the vertex stays where it was. */
+static void look_up(relaxation *r, pc_index v, pc_vec3 p) {
+    pc_bvh_hit hit = pc_bvh_closest(&r->tree, p, r->hint[v]);
     if (hit.face == PC_NONE) return;
     const pc_index *t = r->scan->triangle + 3 * (size_t)hit.face;
     pc_vec3 normal = {0, 0, 0};
     for (int k = 0; k < 3; k++)
         normal = pc_madd(normal, hit.weight[k], pc_vec3_at(r->scan_normal, t[k]));
+    if (pc_dot(normal, pc_vec3_at(r->normal, v)) < 0) return;
     r->hint[v] = hit.face;
     pc_vec3_put(r->normal, v, pc_unit(normal));
     pc_vec3_put(r->quads->position, v, hit.point);
@@ -160,16 +163,14 @@ static void step(relaxation *r, double fraction, bool slide) {
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index v = 0; v < q->vertex_count; v++) {
         if (!r->active[v] || r->border[v]) continue;
-        pc_vec3_put(q->position, v, pc_vec3_at(r->moved, v));
-        look_up(r, v);
+        look_up(r, v, pc_vec3_at(r->moved, v));
     }
     /* One after the other: each looks at where its neighbours are by now. */
     for (pc_index v = 0; slide && v < q->vertex_count; v++) {
         if (!r->active[v] || r->border[v] != 2) continue;
         pc_bvh_hit hit = pc_bvh_closest(&r->rim_tree, pc_vec3_at(r->moved, v), PC_NONE);
         if (hit.face == PC_NONE || !keeps_apart(r, v, hit.point)) continue;
-        pc_vec3_put(q->position, v, hit.point);
-        look_up(r, v);
+        look_up(r, v, hit.point);
     }
 }
 
@@ -218,7 +219,7 @@ pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, p
     PC_TRY(make_rim(&r, ctx, adjacency));
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index v = 0; v < quads->vertex_count; v++)
-        look_up(&r, v);
+        look_up(&r, v, pc_vec3_at(quads->position, v));
     stats->bad_before = stats->bad_after = activate(&r, options->least_sine);
     memset(r.active, 1, quads->vertex_count);
     for (int i = 0; i < options->smooth_rounds; i++)
