@@ -19,7 +19,8 @@ static void turn(double st[2], int r) {
     }
 }
 
-void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mesh, pc_index f) {
+/* The corners of face f in the frame of its first one, in periods. */
+static void face_corners(double st[3][2], const pc_param *param, const pc_mesh *mesh, pc_index f) {
     pc_index out = 3 * f, in = 3 * f + 2; /* from corner 0 to corner 1, and from corner 2 to corner 0 */
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 2; i++)
@@ -38,7 +39,7 @@ void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mes
 static void measure_face(const figures *out, const pc_mesh *mesh, const pc_param *param, pc_index f) {
     double st[3][2];
     pc_vec3 p[3];
-    pc_param_corners(st, param, mesh, f);
+    face_corners(st, param, mesh, f);
     for (int k = 0; k < 3; k++)
         p[k] = pc_vec3_at(mesh->position, mesh->triangle[3 * (size_t)f + k]);
     double s1 = st[1][0] - st[0][0], t1 = st[1][1] - st[0][1];

@@ -15,9 +15,6 @@ typedef struct pc_distortion {
     double length_error; /* area-weighted root mean square of log2(singular value / its mean) */
 } pc_distortion;
 
-/* The parameter coordinates of the three corners of face f in the frame of its first corner, in periods. */
-void pc_param_corners(double st[3][2], const pc_param *param, const pc_mesh *mesh, pc_index f);
-
 /* The same for any number of threads. PC_E_NOMEM; PC_E_BUG where mesh and param do not belong together. */
 pc_status pc_distortion_measure(pc_distortion *distortion, pc_context *ctx, const pc_mesh *mesh,
                                 const pc_param *param);
