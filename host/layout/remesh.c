@@ -73,11 +73,11 @@ static pc_status look(remeshing *r, double *count, double period, bool refine) {
     pc_remesh_quads_stats made;
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
     r->stats->wanting = 0;
-    *count = (double)pc_quads_count(r->layout, r->options->ngons);
-    if (!refine) return PC_OK;
+    /* Not pc_quads_count: doublets and collapsed quads do not count. */
     PC_TRY(
         pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, r->mesh, r->adjacency));
     *count = quads.face_count;
+    if (!refine) goto done;
     sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? period / 2 : period;
     sizing.period_length = period;
     PC_TRY(pc_sizing_update(r->scale, &r->stats->wanting, r->ctx, r->mesh, r->adjacency, &quads, folded,
