@@ -226,10 +226,11 @@ the scan, shape of the quads, or alignment to curvature.
 
 
 def header(args, missing):
-    names = sorted({(module, package) for module, package in METHODS.values() if package})
+    packages = sorted({package for _, package in METHODS.values() if package})
     print("# Percale beside its peers\n\nMade by `bench/peers.py`.\n")
-    print(f"* date: {datetime.date.today()}\n* machine: {machine()}; shared with other work while this ran, so times are rough")
-    print(f"* commit: {args.commit}\n* peers: " + ", ".join(f"{p} {version(p) or 'not there'}" for _, p in names))
+    print(f"* date: {datetime.date.today()}\n* machine: {machine()}; shared with other work while this ran, "
+          "so times are rough")
+    print(f"* commit: {args.commit}\n* peers: " + ", ".join(f"{p} {version(p) or 'not there'}" for p in packages))
     print(f"* command: `bench/peers.py --quads {args.quads} "
           + " ".join(pathlib.Path(scan).name for scan in args.scans) + "`, which runs `"
           + shlex.join(percale_command("percale", "SCAN", "OUT", args.quads, False)) + "`")
