@@ -74,6 +74,7 @@ static void put_quality(pc_json *json, const pc_quality *q) {
 static void put_distortion(pc_json *json, const pc_distortion *d) {
     pc_json_flat_object(json, "parameterization");
     pc_json_number(json, "stretch", d->stretch);
+    pc_json_number(json, "stretch_core", d->stretch_core);
     pc_json_number(json, "shear", d->shear);
     pc_json_number(json, "singular_percent", d->singular_percent);
     pc_json_integer(json, "dislocations", d->dislocations);
