@@ -20,7 +20,7 @@ cmake --build build/asan -j "$jobs"
 ctest --test-dir build/asan -L unit --output-on-failure --no-tests=error --timeout 600
 
 echo "== clang-tidy"
-cmake --preset tidy -DPERCALE_BENCH=OFF
+cmake --preset tidy -DPERCALE_BENCH=OFF -DPERCALE_TESTS=OFF
 cmake --build build/tidy -j "$jobs"
 
 echo "== all tests"
