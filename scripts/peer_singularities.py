@@ -2,7 +2,7 @@
 """Singularities that a peer puts on each scan, to set beside those of bench_field.
 
 usage: peer_singularities.py im|quadriflow SCAN.obj|SCAN.off|SCAN.ply[.gz]...
-Needs pyinstantmeshes or pyquadriflow (PyPI) and numpy, trimesh. The edge length asked for is ten mean edges, Percale's
+Needs pyinstantmeshes or pyQuadriFlow (PyPI) and numpy, trimesh. The edge length asked for is ten mean edges, Percale's
 default. Instant Meshes reports the singularities of its field; for QuadriFlow irregular vertices are counted.
 -1: it failed.
 """
@@ -60,12 +60,12 @@ def instant_meshes(vertices, faces):
 
 def quadriflow(vertices, faces):
     """Interior vertices off valence 4 in QuadriFlow's mesh."""
-    import pyquadriflow
+    from pyQuadriFlow.pyQuadriFlow import pyquadriflow
     a, b, c = (vertices[faces[:, k]].astype(float) for k in range(3))
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     wanted = max(int(area / (10 * mean_edge(vertices, faces)) ** 2), 8)
-    result, _ = captured(lambda: pyquadriflow.pyqf.quadriflow(vertices, faces, wanted, 0))
-    return irregular(result[1]) if result else -1
+    mesh = pyquadriflow(wanted, 0, vertices, faces, False, True, False, False, False)
+    return irregular(mesh["faces"])
 
 
 def irregular(quads):
