@@ -14,18 +14,6 @@ static pc_status make_walls(pc_cells *cells, pc_context *ctx, const pc_overlay *
     return PC_OK;
 }
 
-/* Calls for each edge around a vertex would hide the two kinds of fans; this gives the edges as an array. */
-static pc_index fan_edges(pc_index *edges, pc_index most, const pc_adjacency *a, pc_index v) {
-    pc_index count = 0, first = a->vertex_half[v], h = first;
-    while (h != PC_NONE && count + 1 < most) {
-        edges[count++] = a->edge[h];
-        if (a->twin[pc_prev(h)] == PC_NONE) edges[count++] = a->edge[pc_prev(h)];
-        h = pc_turn_ccw(a, h);
-        if (h == first) break;
-    }
-    return count;
-}
-
 static pc_status count_walls(pc_index **degree, pc_context *ctx, const pc_cells *cells, const pc_mesh *mesh,
                              const pc_adjacency *adjacency) {
     pc_status status = pc_new(degree, ctx, mesh->vertex_count);
@@ -38,12 +26,15 @@ static pc_status count_walls(pc_index **degree, pc_context *ctx, const pc_cells 
     return PC_OK;
 }
 
-/* The one wall left at a vertex of degree one, or PC_NONE. */
-static pc_index last_wall(const pc_cells *cells, const pc_adjacency *a, pc_index v) {
+/* A half-edge at v, out of it or on its border into it, on an edge e with wall[e] == is_wall and not skip[e]
+ * (NULL: none); PC_NONE where there is none. */
+static pc_index edge_at(const pc_adjacency *a, pc_index v, const uint8_t *wall, uint8_t is_wall,
+                        const uint8_t *skip) {
     pc_index first = a->vertex_half[v], h = first;
     while (h != PC_NONE) {
-        if (cells->wall[a->edge[h]]) return h;
-        if (a->twin[pc_prev(h)] == PC_NONE && cells->wall[a->edge[pc_prev(h)]]) return pc_prev(h);
+        pc_index back = pc_prev(h), out = a->edge[h], in = a->edge[back];
+        if (wall[out] == is_wall && !(skip && skip[out])) return h;
+        if (a->twin[back] == PC_NONE && wall[in] == is_wall && !(skip && skip[in])) return back;
         h = pc_turn_ccw(a, h);
         if (h == first) break;
     }
@@ -57,7 +48,7 @@ static pc_status remove_dangling(pc_cells *cells, pc_index *removed, pc_context 
     PC_TRY(count_walls(&degree, ctx, cells, mesh, adjacency));
     for (pc_index start = 0; start < mesh->vertex_count; start++)
         for (pc_index v = start; degree[v] == 1;) {
-            pc_index h = last_wall(cells, adjacency, v);
+            pc_index h = edge_at(adjacency, v, cells->wall, 1, NULL);
             pc_index other = pc_tail(mesh, h) == v ? pc_head(mesh, h) : pc_tail(mesh, h);
             cells->wall[adjacency->edge[h]] = 0;
             degree[v]--, degree[other]--, ++*removed;
@@ -147,13 +138,10 @@ static bool is_open(const cutting *c, pc_index e) {
 }
 
 static void prune(cutting *c, pc_index v) {
-    pc_index edges[512];
     while (c->degree[v] == 1) {
-        pc_index count = fan_edges(edges, 512, c->adjacency, v), e = PC_NONE;
-        for (pc_index i = 0; i < count; i++)
-            if (is_open(c, edges[i])) e = edges[i];
-        if (e == PC_NONE) return;
-        pc_index h = c->adjacency->edge_half[e];
+        pc_index h = edge_at(c->adjacency, v, c->cells->wall, 0, c->crossed);
+        if (h == PC_NONE) return;
+        pc_index e = c->adjacency->edge[h];
         pc_index other = pc_tail(c->mesh, h) == v ? pc_head(c->mesh, h) : pc_tail(c->mesh, h);
         c->crossed[e] = 1;
         c->degree[v] = 0;

@@ -119,23 +119,20 @@ static pc_index cell_left_of(const reading *r, pc_index edge, pc_index tail) {
 
 static void trace_arc(reading *r, pc_index edge, pc_index vertex, uint8_t *seen) {
     pc_layout *l = r->layout;
-    pc_index arc = l->arc_count++, at = l->arc_start[arc], first = edge;
+    pc_index arc = l->arc_count++, at = l->arc_start[arc];
     l->arc_vertex[at++] = vertex;
     l->arc_node[2 * arc] = r->node[vertex];
     l->arc_cell[2 * arc] = cell_left_of(r, edge, vertex);
     l->arc_cell[2 * arc + 1] = cell_left_of(r, edge, other_end(r, edge, vertex));
     note_side(r, edge, vertex, 2 * arc);
-    (void)first;
     for (;;) {
         seen[edge] = 1;
-        pc_index tail = vertex;
         vertex = other_end(r, edge, vertex);
         l->arc_vertex[at++] = vertex;
         if (r->node[vertex] != PC_NONE) {
             note_side(r, edge, vertex, 2 * arc + 1);
             break;
         }
-        (void)tail;
         next_along(r, edge, vertex, &edge);
     }
     l->arc_node[2 * arc + 1] = r->node[vertex];

@@ -73,6 +73,8 @@ static pc_status look(remeshing *r, double *count, double period, bool refine) {
     pc_remesh_quads_stats made;
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
     r->stats->wanting = 0;
+    *count = (double)pc_quads_count(r->layout, r->options->ngons);
+    if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
     PC_TRY(
         pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, r->mesh, r->adjacency));
