@@ -1,7 +1,7 @@
 # Checks that every include names a file of its own or a lower layer, that file names are unique in the tree, and that
 # each foreign library is seen by one layer only. Run as: cmake -DROOT=... -P layers.cmake
 cmake_minimum_required(VERSION 3.25)
-set(layers host/base host/device host/mesh partition host/solve host/field host/param host/layout host/picture io
+set(layers host/base host/device host/mesh partition host/solve host/field host/param host/layout host/spline host/picture io
     host/pipeline host/cli)
 set(faults "")
 

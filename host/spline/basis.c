@@ -1,0 +1,341 @@
+#include "basis.h"
+#include "cubic.h"
+#include "memory.h"
+#include "nurcc.h"
+#include "support.h"
+#include <math.h>
+#include <string.h>
+
+/* A list that grows. */
+#define APPEND_ROOM(list, count, room, more)                                                                 \
+    do {                                                                                                     \
+        if ((count) + (more) > (room)) {                                                                     \
+            PC_TRY(pc_resize(&(list), ctx, 2 * (room) + (more)));                                            \
+            (room) = 2 * (room) + (more);                                                                    \
+        }                                                                                                    \
+    } while (0)
+
+typedef struct building {
+    pc_basis *basis;
+    const pc_tmesh *mesh;
+    pc_footprints footprints;
+    size_t *start; /* per face: its footprints in `order` */
+    size_t *order;
+    size_t element_room, point_room, coefficient_room, point_count, coefficient_count;
+} building;
+
+static pc_status collect(building *b, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_support scratch = {0};
+    for (pc_index v = 0; v < b->mesh->vertex_count; v++)
+        PC_TRY(pc_support_append(&b->footprints, &scratch, ctx, b->mesh, v));
+    size_t faces = b->mesh->face_count;
+    PC_TRY(pc_new(&b->start, ctx, faces + 2));
+    PC_TRY(pc_new(&b->order, ctx, b->footprints.count));
+    for (size_t i = 0; i < b->footprints.count; i++)
+        b->start[b->footprints.at[i].face + 2]++;
+    for (size_t f = 0; f < faces; f++)
+        b->start[f + 2] += b->start[f + 1];
+    for (size_t i = 0; i < b->footprints.count; i++)
+        b->order[b->start[b->footprints.at[i].face + 1]++] = i;
+done:
+    pc_support_free(&scratch, ctx);
+    return status;
+}
+
+static pc_status add_element(building *b, pc_context *ctx, const pc_element *element) {
+    pc_status status = PC_OK;
+    pc_basis *basis = b->basis;
+    if (basis->element_count + 1 >= b->element_room) { /* one more offset than elements */
+        size_t room = 2 * b->element_room + 64;
+        PC_TRY(pc_resize(&basis->element, ctx, room));
+        PC_TRY(pc_resize(&basis->start, ctx, room + 1));
+        b->element_room = room;
+    }
+    basis->element[basis->element_count] = *element;
+    basis->element[basis->element_count].coefficient = b->coefficient_count;
+    basis->start[basis->element_count++] = b->point_count;
+done:
+    return status;
+}
+
+static pc_status add_point(building *b, pc_context *ctx, pc_index v, const double *coefficient, size_t stride,
+                           size_t count) {
+    pc_status status = PC_OK;
+    APPEND_ROOM(b->basis->point, b->point_count, b->point_room, 1);
+    APPEND_ROOM(b->basis->coefficient, b->coefficient_count, b->coefficient_room, count);
+    b->basis->point[b->point_count++] = v;
+    for (size_t i = 0; i < count; i++)
+        b->basis->coefficient[b->coefficient_count++] = coefficient[i * stride];
+done:
+    return status;
+}
+
+/* The knots of all functions on face f strictly between its sides, sorted, with both sides. */
+enum { MOST_LINES = 64 };
+
+static int lines_of(double line[MOST_LINES], const building *b, pc_index f, int direction) {
+    double size = b->mesh->face[f].size[direction];
+    int count = 2;
+    line[0] = 0, line[1] = size;
+    for (size_t i = b->start[f]; i < b->start[f + 1]; i++) {
+        const pc_footprint *p = b->footprints.at + b->order[i];
+        for (int k = 0; k < 5; k++) {
+            double x = direction ? p->t[k] : p->s[k];
+            int at = 0;
+            if (x <= 0 || x >= size) continue;
+            while (line[at] < x)
+                at++;
+            if (line[at] == x || count == MOST_LINES) continue;
+            memmove(line + at + 1, line + at, (size_t)(count - at) * sizeof *line);
+            line[at] = x;
+            count++;
+        }
+    }
+    return count;
+}
+
+static pc_status cut_regular(building *b, pc_context *ctx, pc_index f) {
+    pc_status status = PC_OK;
+    double s[MOST_LINES], t[MOST_LINES];
+    int columns = lines_of(s, b, f, 0) - 1, rows = lines_of(t, b, f, 1) - 1;
+    for (int i = 0; i < columns * rows; i++) {
+        pc_element element = {.face = f,
+                              .low = {s[i % columns], t[i / columns]},
+                              .high = {s[i % columns + 1], t[i / columns + 1]}};
+        PC_TRY(add_element(b, ctx, &element));
+        for (size_t k = b->start[f]; k < b->start[f + 1]; k++) {
+            const pc_footprint *p = b->footprints.at + b->order[k];
+            double c[8];
+            if (p->s[0] >= element.high[0] || p->s[4] <= element.low[0] || p->t[0] >= element.high[1] ||
+                p->t[4] <= element.low[1])
+                continue;
+            pc_cubic_bezier(c, p->s, element.low[0], element.high[0]);
+            pc_cubic_bezier(c + 4, p->t, element.low[1], element.high[1]);
+            PC_TRY(add_point(b, ctx, p->vertex, c, 1, 8));
+        }
+    }
+done:
+    return status;
+}
+
+static pc_status cut_irregular(building *b, pc_context *ctx, pc_index f) {
+    pc_status status = PC_OK;
+    pc_patches patches;
+    PC_TRY(pc_nurcc_make(&patches, ctx, b->mesh, f));
+    for (pc_index i = 0; i < patches.patch_count; i++) {
+        const pc_patch *p = patches.patch + i;
+        pc_element element = {
+            .face = f, .irregular = true, .low = {p->low[0], p->low[1]}, .high = {p->high[0], p->high[1]}};
+        PC_TRY(add_element(b, ctx, &element));
+        for (pc_index k = 0; k < patches.point_count; k++) {
+            double most = 0;
+            for (size_t j = 0; j < 16; j++)
+                most = fmax(most, fabs(p->weight[j * patches.point_count + k]));
+            if (most > 0) PC_TRY(add_point(b, ctx, patches.point[k], p->weight + k, patches.point_count, 16));
+        }
+    }
+done:
+    pc_nurcc_free(&patches, ctx);
+    return status;
+}
+
+pc_status pc_basis_make(pc_basis *basis, pc_context *ctx, const pc_tmesh *mesh) {
+    pc_status status = PC_OK;
+    building b = {.basis = basis, .mesh = mesh};
+    *basis = (pc_basis){.vertex_count = mesh->vertex_count, .face_count = mesh->face_count};
+    PC_TRY(collect(&b, ctx));
+    PC_TRY(pc_new(&basis->face_start, ctx, (size_t)mesh->face_count + 1));
+    PC_TRY(pc_new(&basis->start, ctx, 1));
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        if (!mesh->face[f].ghost)
+            PC_TRY(pc_tface_is_irregular(mesh, f) ? cut_irregular(&b, ctx, f) : cut_regular(&b, ctx, f));
+        basis->face_start[f + 1] = basis->element_count;
+    }
+    basis->start[basis->element_count] = b.point_count;
+done:
+    pc_footprints_free(&b.footprints, ctx);
+    pc_free(ctx, b.start);
+    pc_free(ctx, b.order);
+    if (status != PC_OK) pc_basis_free(basis, ctx);
+    return status;
+}
+
+void pc_basis_free(pc_basis *basis, pc_context *ctx) {
+    pc_free(ctx, basis->face_start);
+    pc_free(ctx, basis->element);
+    pc_free(ctx, basis->start);
+    pc_free(ctx, basis->point);
+    pc_free(ctx, basis->coefficient);
+    *basis = (pc_basis){0};
+}
+
+void pc_basis_coefficients(double c[16], const pc_basis *basis, pc_index e, size_t k) {
+    const pc_element *element = basis->element + e;
+    const double *from = basis->coefficient + element->coefficient;
+    k -= basis->start[e];
+    if (element->irregular) {
+        memcpy(c, from + 16 * k, 16 * sizeof(double));
+        return;
+    }
+    for (int i = 0; i < 16; i++)
+        c[i] = from[8 * k + (size_t)(i % 4)] * from[8 * k + 4 + (size_t)(i / 4)];
+}
+
+void pc_basis_bezier(double bezier[48], const pc_basis *basis, pc_index e, const double *position) {
+    memset(bezier, 0, 48 * sizeof(double));
+    for (size_t k = basis->start[e]; k < basis->start[e + 1]; k++) {
+        const double *p = position + 3 * (size_t)basis->point[k];
+        double c[16];
+        pc_basis_coefficients(c, basis, e, k);
+        for (int i = 0; i < 48; i++)
+            bezier[i] += c[i / 3] * p[i % 3];
+    }
+}
+
+pc_index pc_basis_find(const pc_basis *basis, pc_index face, double s, double t) {
+    pc_index best = PC_NONE;
+    double least = INFINITY;
+    for (pc_index e = basis->face_start[face]; e < basis->face_start[face + 1]; e++) {
+        const pc_element *element = basis->element + e;
+        double ds = fmax(0, fmax(element->low[0] - s, s - element->high[0]));
+        double dt = fmax(0, fmax(element->low[1] - t, t - element->high[1]));
+        if (ds + dt < least) least = ds + dt, best = e;
+    }
+    return best;
+}
+
+/* Gaussian elimination with full pivoting of `rows` x `columns` coefficients, columns the functions; the
+ * smallest pivot relative to the largest. */
+static double relative_rank(double *a, size_t rows, size_t columns) {
+    double largest = 0, pivot = 0;
+    for (size_t step = 0; step < columns; step++) {
+        size_t row = step, column = step;
+        pivot = 0;
+        for (size_t i = step; i < rows; i++)
+            for (size_t j = step; j < columns; j++)
+                if (fabs(a[i * columns + j]) > pivot) pivot = fabs(a[i * columns + j]), row = i, column = j;
+        if (step == 0) largest = pivot;
+        if (!(pivot > 0)) return 0;
+        for (size_t j = 0; j < columns; j++) {
+            double swapped = a[step * columns + j];
+            a[step * columns + j] = a[row * columns + j];
+            a[row * columns + j] = swapped;
+        }
+        for (size_t i = 0; i < rows; i++) {
+            double swapped = a[i * columns + step];
+            a[i * columns + step] = a[i * columns + column];
+            a[i * columns + column] = swapped;
+        }
+        for (size_t i = step + 1; i < rows; i++) {
+            double factor = a[i * columns + step] / a[step * columns + step];
+            for (size_t j = step; j < columns; j++)
+                a[i * columns + j] -= factor * a[step * columns + j];
+        }
+    }
+    return pivot / largest;
+}
+
+static pc_status check_sums(const pc_basis *basis, pc_basis_facts *facts, pc_context *ctx) {
+    for (pc_index e = 0; e < basis->element_count; e++) {
+        double sum[16] = {0}, c[16];
+        const pc_element *element = basis->element + e;
+        for (size_t k = basis->start[e]; k < basis->start[e + 1]; k++) {
+            pc_basis_coefficients(c, basis, e, k);
+            for (int i = 0; i < 16; i++) {
+                sum[i] += c[i];
+                if (!element->irregular && c[i] < 0)
+                    return pc_fail(ctx, PC_E_BUG, "vertex %u has a negative function on face %u",
+                                   basis->point[k], element->face);
+            }
+        }
+        for (int i = 0; i < 16; i++)
+            facts->worst_sum = fmax(facts->worst_sum, fabs(sum[i] - 1));
+        if (!(facts->worst_sum < 1e-10))
+            return pc_fail(ctx, PC_E_BUG, "the functions on face %u do not sum to 1 (%g off, %zu functions)",
+                           element->face, facts->worst_sum, basis->start[e + 1] - basis->start[e]);
+    }
+    return PC_OK;
+}
+
+/* Regular elements: each function once, 16 in all, independent. Marks their vertices as seen. */
+static pc_status check_regular(const pc_basis *basis, pc_basis_facts *facts, uint8_t *seen, pc_context *ctx) {
+    for (pc_index e = 0; e < basis->element_count; e++) {
+        size_t count = basis->start[e + 1] - basis->start[e];
+        double a[256], c[16];
+        if (basis->element[e].irregular) continue;
+        facts->most_points = count > facts->most_points ? (pc_index)count : facts->most_points;
+        if (count != 16)
+            return pc_fail(ctx, PC_E_BUG, "%zu functions on an element of face %u, not 16", count,
+                           basis->element[e].face);
+        for (size_t k = 0; k < count; k++) {
+            pc_basis_coefficients(c, basis, e, basis->start[e] + k);
+            for (size_t i = 0; i < 16; i++)
+                a[16 * i + k] = c[i];
+            seen[basis->point[basis->start[e] + k]] = 1;
+        }
+        double pivot = relative_rank(a, 16, 16);
+        facts->least_pivot = fmin(facts->least_pivot, pivot);
+        if (!(pivot > 1e-13))
+            return pc_fail(ctx, PC_E_BUG, "the functions on face %u are not independent (pivot %g)",
+                           basis->element[e].face, pivot);
+    }
+    return PC_OK;
+}
+
+/* The functions that live on irregular faces only, face by face: those not seen yet, together. */
+static pc_status check_irregular(const pc_basis *basis, pc_basis_facts *facts, uint8_t *seen,
+                                 pc_context *ctx) {
+    pc_status status = PC_OK;
+    double *a = NULL, c[16];
+    pc_index *column = NULL;
+    PC_TRY(pc_new(&column, ctx, basis->vertex_count));
+    memset(column, 0xff, basis->vertex_count * sizeof *column);
+    for (pc_index f = 0; f < basis->face_count; f++) {
+        pc_index first = basis->face_start[f], last = basis->face_start[f + 1], unseen = 0;
+        if (first == last || !basis->element[first].irregular) continue;
+        for (size_t k = basis->start[first]; k < basis->start[last]; k++)
+            if (!seen[basis->point[k]] && column[basis->point[k]] == PC_NONE)
+                column[basis->point[k]] = unseen++;
+        if (unseen) {
+            size_t rows = 16 * (size_t)(last - first);
+            PC_TRY(pc_new(&a, ctx, rows * unseen));
+            for (pc_index e = first; e < last; e++)
+                for (size_t k = basis->start[e]; k < basis->start[e + 1]; k++) {
+                    pc_index j = column[basis->point[k]];
+                    pc_basis_coefficients(c, basis, e, k);
+                    for (size_t i = 0; i < 16 && j != PC_NONE; i++)
+                        a[(16 * (size_t)(e - first) + i) * unseen + j] = c[i];
+                }
+            double pivot = relative_rank(a, rows, unseen);
+            pc_free(ctx, a), a = NULL;
+            facts->least_pivot = fmin(facts->least_pivot, pivot);
+            if (!(pivot > 1e-13))
+                PC_TRY(pc_fail(ctx, PC_E_MESH,
+                               "the %u functions around irregular face %u are not independent", unseen, f));
+        }
+        for (size_t k = basis->start[first]; k < basis->start[last]; k++)
+            seen[basis->point[k]] = 1, column[basis->point[k]] = PC_NONE;
+    }
+done:
+    pc_free(ctx, a);
+    pc_free(ctx, column);
+    return status;
+}
+
+pc_status pc_basis_check(const pc_basis *basis, pc_basis_facts *facts, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_basis_facts own;
+    uint8_t *seen = NULL;
+    if (!facts) facts = &own;
+    *facts = (pc_basis_facts){.least_pivot = 1};
+    PC_TRY(pc_new(&seen, ctx, basis->vertex_count));
+    PC_TRY(check_sums(basis, facts, ctx));
+    PC_TRY(check_regular(basis, facts, seen, ctx));
+    PC_TRY(check_irregular(basis, facts, seen, ctx));
+    for (pc_index v = 0; v < basis->vertex_count; v++)
+        facts->unused_vertices += !seen[v];
+done:
+    pc_free(ctx, seen);
+    return status;
+}

@@ -1,0 +1,23 @@
+/* One cubic B-spline function over five knots, one variable: its polynomial pieces as blossoms. */
+#ifndef PC_CUBIC_H
+#define PC_CUBIC_H
+
+/* The blossom (polar form) of the piece of N[knot] that lives on the interval between knots[span] and
+ * knots[span+1], span 0..3, at the three arguments. The knots must be distinct. Cox-de Boor with one argument
+ * per degree; digest C02. */
+double pc_cubic_blossom(const double knots[5], int span, double x0, double x1, double x2);
+
+/* The four Bezier coefficients on [low, high], which lies within one interval of the knots; all 0 where it
+ * lies outside of them. */
+void pc_cubic_bezier(double coefficient[4], const double knots[5], double low, double high);
+
+/* The four cubic Bernstein polynomials at u in 0..1, and their first and second derivatives. */
+void pc_bernstein(double value[4], double first[4], double second[4], double u);
+
+/* The blossom of the cubic with Bezier coefficients b over [low, high]; any arguments. */
+double pc_bezier_blossom(const double b[4], double low, double high, const double x[3]);
+
+/* The weights w of pc_bezier_blossom: it is the sum of w[i]*b[i]. */
+void pc_bezier_blossom_weights(double weight[4], double low, double high, const double x[3]);
+
+#endif

@@ -1,0 +1,162 @@
+#include "tspline.h"
+#include "cubic.h"
+#include "memory.h"
+#include "ray.h"
+#include <string.h>
+
+/* Where the surface would go on: the inner neighbours of a border vertex, mirrored at it. */
+static pc_vec3 mirrored(const pc_tspline *spline, pc_index border, pc_index stem) {
+    const pc_tmesh *mesh = &spline->mesh;
+    pc_vec3 p = pc_vec3_at(spline->position, border), sum = {0, 0, 0};
+    pc_ray ray = pc_ray_behind(mesh, stem);
+    if (ray.way == PC_RAY_ALONG)
+        return pc_sub(pc_scale(2, p), pc_vec3_at(spline->position, pc_thalf_head(mesh, ray.half)));
+    int count = 0;
+    pc_index h = mesh->vertex[border].out, first = h;
+    do { /* an extraordinary border vertex: away from its inner edges */
+        if (!mesh->face[mesh->half[h].face].ghost && !mesh->face[mesh->half[mesh->half[h].twin].face].ghost) {
+            sum = pc_add(sum, pc_vec3_at(spline->position, pc_thalf_head(mesh, h)));
+            count++;
+        }
+        h = pc_thalf_ccw(mesh, h);
+    } while (h != first);
+    return count ? pc_sub(pc_scale(2, p), pc_scale(1.0 / count, sum)) : p;
+}
+
+static void place_ghosts(pc_tspline *spline, const pc_index *source) {
+    const pc_tmesh *mesh = &spline->mesh;
+    for (int pass = 0; pass < 2; pass++) /* the outer corners from their neighbours, at last */
+        for (pc_index v = 0; v < mesh->vertex_count; v++) {
+            pc_index h = mesh->vertex[v].out, inward = pc_thalf_ccw(mesh, h);
+            bool corner = mesh->half[inward].face == PC_NONE;
+            if (source[v] != PC_NONE || corner != (pass == 1)) continue;
+            if (!corner) {
+                pc_vec3_put(spline->position, v, mirrored(spline, pc_thalf_head(mesh, inward), inward));
+                continue;
+            }
+            pc_index a = pc_thalf_head(mesh, h), b = pc_thalf_head(mesh, inward);
+            pc_index opposite = mesh->half[mesh->half[mesh->half[h].next].next].tail;
+            pc_vec3 sum = pc_add(pc_vec3_at(spline->position, a), pc_vec3_at(spline->position, b));
+            pc_vec3_put(spline->position, v, pc_sub(sum, pc_vec3_at(spline->position, opposite)));
+        }
+}
+
+pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh *quads,
+                          const pc_tmesh_options *options) {
+    pc_status status = PC_OK;
+    pc_index *source = NULL;
+    *spline = (pc_tspline){0};
+    PC_TRY(pc_tmesh_make(&spline->mesh, &source, ctx, quads, options));
+    PC_TRY(pc_basis_make(&spline->basis, ctx, &spline->mesh));
+    PC_TRY(pc_new(&spline->position, ctx, 3 * (size_t)spline->mesh.vertex_count));
+    PC_TRY(pc_new(&spline->bezier, ctx, 48 * (size_t)spline->basis.element_count));
+    for (pc_index v = 0; v < spline->mesh.vertex_count; v++)
+        if (source[v] != PC_NONE)
+            memcpy(spline->position + 3 * (size_t)v, quads->position + 3 * (size_t)source[v],
+                   3 * sizeof(double));
+    place_ghosts(spline, source);
+    pc_tspline_update(spline);
+done:
+    pc_free(ctx, source);
+    if (status != PC_OK) pc_tspline_free(spline, ctx);
+    return status;
+}
+
+void pc_tspline_free(pc_tspline *spline, pc_context *ctx) {
+    pc_tmesh_free(&spline->mesh, ctx);
+    pc_basis_free(&spline->basis, ctx);
+    pc_free(ctx, spline->position);
+    pc_free(ctx, spline->bezier);
+    *spline = (pc_tspline){0};
+}
+
+pc_status pc_tspline_check(const pc_tspline *spline, pc_basis_facts *facts, pc_context *ctx) {
+    pc_status status = pc_tmesh_check(&spline->mesh, ctx);
+    return status == PC_OK ? pc_basis_check(&spline->basis, facts, ctx) : status;
+}
+
+void pc_tspline_update(pc_tspline *spline) {
+#pragma omp parallel for schedule(static)
+    for (pc_index e = 0; e < spline->basis.element_count; e++)
+        pc_basis_bezier(spline->bezier + 48 * (size_t)e, &spline->basis, e, spline->position);
+}
+
+/* Bernstein polynomials in both directions and the sizes of the element. */
+typedef struct local {
+    double b[2][3][4]; /* direction, derivative, polynomial */
+    double size[2];
+} local;
+
+static local localise(const pc_tspline *spline, pc_surface_place place) {
+    const pc_element *e = spline->basis.element + place.element;
+    local l = {.size = {e->high[0] - e->low[0], e->high[1] - e->low[1]}};
+    pc_bernstein(l.b[0][0], l.b[0][1], l.b[0][2], (place.s - e->low[0]) / l.size[0]);
+    pc_bernstein(l.b[1][0], l.b[1][1], l.b[1][2], (place.t - e->low[1]) / l.size[1]);
+    return l;
+}
+
+static pc_vec3 combine(const double *bezier, const double s[4], const double t[4], double scale) {
+    pc_vec3 p = {0, 0, 0};
+    for (int j = 0; j < 4; j++)
+        for (int i = 0; i < 4; i++)
+            p = pc_madd(p, s[i] * t[j], pc_vec3_at(bezier, (size_t)(i + 4 * j)));
+    return pc_scale(scale, p);
+}
+
+pc_surface_point pc_tspline_evaluate(const pc_tspline *spline, pc_surface_place place) {
+    const double *bezier = spline->bezier + 48 * (size_t)place.element;
+    local l = localise(spline, place);
+    double u = 1 / l.size[0], v = 1 / l.size[1];
+    return (pc_surface_point){.p = combine(bezier, l.b[0][0], l.b[1][0], 1),
+                              .s = combine(bezier, l.b[0][1], l.b[1][0], u),
+                              .t = combine(bezier, l.b[0][0], l.b[1][1], v),
+                              .ss = combine(bezier, l.b[0][2], l.b[1][0], u * u),
+                              .st = combine(bezier, l.b[0][1], l.b[1][1], u * v),
+                              .tt = combine(bezier, l.b[0][0], l.b[1][2], v * v)};
+}
+
+pc_vec3 pc_tspline_point(const pc_tspline *spline, pc_surface_place place) {
+    local l = localise(spline, place);
+    return combine(spline->bezier + 48 * (size_t)place.element, l.b[0][0], l.b[1][0], 1);
+}
+
+pc_surface_place pc_tspline_place(const pc_tspline *spline, pc_index face, double s, double t) {
+    return (pc_surface_place){pc_basis_find(&spline->basis, face, s, t), s, t};
+}
+
+/* The element of `face` that holds the point, a little further in than the side it lies on. */
+static pc_index element_inside(const pc_tspline *spline, pc_index face, const double at[2], int direction,
+                               double by) {
+    double inside[2] = {at[0], at[1]};
+    inside[direction] += by;
+    return pc_basis_find(&spline->basis, face, inside[0], inside[1]);
+}
+
+bool pc_tspline_cross(pc_surface_place *beyond, const pc_tspline *spline, pc_surface_place place, int side) {
+    const pc_tmesh *mesh = &spline->mesh;
+    const pc_element *e = spline->basis.element + place.element;
+    const double *size = mesh->face[e->face].size, nudge = 1e-9;
+    double at[2] = {place.s, place.t};
+    int across = side % 2 == 0, out = side == 1 || side == 2 ? 1 : -1;
+    double edge = out > 0 ? e->high[across] : e->low[across];
+    at[across] = edge;
+    if (edge > 0 && edge < size[across]) {
+        *beyond = (pc_surface_place){element_inside(spline, e->face, at, across, out * nudge * size[across]),
+                                     at[0], at[1]};
+        return true;
+    }
+    double along = side == 0 ? at[0] : side == 1 ? at[1] : side == 2 ? size[0] - at[0] : size[1] - at[1];
+    pc_index h = mesh->face[e->face].first;
+    while (mesh->half[h].side != side || mesh->half[h].along + mesh->half[h].interval < along)
+        h = mesh->half[h].next;
+    const pc_thalf *twin = mesh->half + mesh->half[h].twin;
+    if (twin->face == PC_NONE || mesh->face[twin->face].ghost) return false;
+    double offset = twin->along + twin->interval - (along - mesh->half[h].along);
+    const double *far = mesh->face[twin->face].size;
+    at[0] = twin->side == 0 ? offset : twin->side == 1 ? far[0] : twin->side == 2 ? far[0] - offset : 0;
+    at[1] = twin->side == 0 ? 0 : twin->side == 1 ? offset : twin->side == 2 ? far[1] : far[1] - offset;
+    across = twin->side % 2 == 0, out = twin->side == 1 || twin->side == 2 ? -1 : 1;
+    *beyond = (pc_surface_place){element_inside(spline, twin->face, at, across, out * nudge * far[across]),
+                                 at[0], at[1]};
+    return true;
+}
