@@ -125,6 +125,14 @@ void pc_star_knots(double s[5], double t[5], const pc_tmesh *mesh, const pc_star
 }
 
 void pc_sector_knots(double s[5], double t[5], const pc_tmesh *mesh, pc_index h) {
-    knots_along(s, mesh, (pc_ray){.way = PC_RAY_ALONG, .half = h}, ended);
-    knots_along(t, mesh, (pc_ray){.way = PC_RAY_ALONG, .half = pc_thalf_ccw(mesh, h)}, ended);
+    const pc_index spoke[4] = {h, pc_thalf_ccw(mesh, h), pc_thalf_ccw(mesh, pc_thalf_ccw(mesh, h)),
+                               pc_thalf_cw(mesh, h)};
+    double first[4], both[4];
+    for (int d = 0; d < 4; d++) {
+        pc_ray ray = {.way = PC_RAY_ALONG, .half = spoke[d]};
+        first[d] = pc_ray_step(&ray, mesh);
+        both[d] = first[d] + pc_ray_step(&ray, mesh);
+    }
+    s[0] = -both[2], s[1] = -first[2], s[2] = 0, s[3] = first[0], s[4] = both[0];
+    t[0] = -both[3], t[1] = -first[3], t[2] = 0, t[3] = first[1], t[4] = both[1];
 }

@@ -32,7 +32,7 @@ void pc_star_make(pc_star *star, const pc_tmesh *mesh, pc_index v);
 /* The five knots of the vertex in direction 0 and in direction 1, relative to it (the third is 0). */
 void pc_star_knots(double s[5], double t[5], const pc_tmesh *mesh, const pc_star *star);
 /* The same at an extraordinary vertex, for the corner between its half-edge h (+s) and the next one counter-
- * clockwise (+t); behind it the intervals repeat. */
+ * clockwise (+t). Behind it are the spokes next to these two: what a vertex beside it sees there. */
 void pc_sector_knots(double s[5], double t[5], const pc_tmesh *mesh, pc_index h);
 
 #endif

@@ -1,0 +1,99 @@
+#include "insertion.h"
+#include "cubic.h"
+#include "memory.h"
+#include "support.h"
+#include <string.h>
+
+/* How far the nearest point of the face is from the vertex, in sizes of the face. */
+static double distance_to(const pc_footprint *print, const pc_tface *face) {
+    double s = print->s[2], t = print->t[2];
+    double ds = fmax(0, fmax(-s, s - face->size[0])) / face->size[0];
+    double dt = fmax(0, fmax(-t, t - face->size[1])) / face->size[1];
+    return ds + dt;
+}
+
+/* A point inside of the face near the vertex, so near that no line is between. */
+static double inside(double knot, double size) {
+    const double margin = 1e-6;
+    return fmin(fmax(knot, margin * size), (1 - margin) * size);
+}
+
+/* The control point of the function with these knots. */
+static pc_vec3 blossom_at(const pc_tspline *old, const pc_tface *face, const pc_footprint *print) {
+    const double *o = face->origin;
+    double s[3], t[3], ws[4], wt[4];
+    pc_index e = pc_basis_find(&old->basis, face->root, o[0] + inside(print->s[2], face->size[0]),
+                               o[1] + inside(print->t[2], face->size[1]));
+    const pc_element *element = old->basis.element + e;
+    for (int k = 0; k < 3; k++) {
+        s[k] = print->s[k + 1] + o[0];
+        t[k] = print->t[k + 1] + o[1];
+    }
+    pc_bezier_blossom_weights(ws, element->low[0], element->high[0], s);
+    pc_bezier_blossom_weights(wt, element->low[1], element->high[1], t);
+    pc_vec3 p = {0, 0, 0};
+    for (int j = 0; j < 4; j++)
+        for (int i = 0; i < 4; i++)
+            p = pc_madd(p, ws[i] * wt[j], pc_vec3_at(old->bezier, 16 * (size_t)e + (size_t)(i + 4 * j)));
+    return p;
+}
+
+/* New vertices without influence, outer corners of ghosts: the mean of their neighbours. */
+static void place_unused(double *position, const pc_tmesh *mesh, pc_index v) {
+    pc_vec3 sum = {0, 0, 0};
+    int count = 0;
+    pc_index first = mesh->vertex[v].out, h = first;
+    do {
+        if (pc_thalf_head(mesh, h) < v) {
+            sum = pc_add(sum, pc_vec3_at(position, pc_thalf_head(mesh, h)));
+            count++;
+        }
+        h = pc_thalf_ccw(mesh, h);
+    } while (h != first);
+    pc_vec3_put(position, v, pc_scale(count ? 1.0 / count : 0, sum));
+}
+
+static pc_status place_points(double *position, pc_context *ctx, const pc_tspline *old,
+                              const pc_tmesh *mesh) {
+    pc_status status = PC_OK;
+    pc_support scratch = {0};
+    pc_footprints prints = {0};
+    memcpy(position, old->position, 3 * sizeof(double) * old->mesh.vertex_count);
+    for (pc_index v = 0; v < mesh->vertex_count; v++) {
+        const pc_footprint *best = NULL;
+        double least = INFINITY;
+        prints.count = 0;
+        PC_TRY(pc_support_append(&prints, &scratch, ctx, mesh, v));
+        for (size_t i = 0; i < prints.count; i++) {
+            double distance = distance_to(prints.at + i, mesh->face + prints.at[i].face);
+            if (distance < least) least = distance, best = prints.at + i;
+        }
+        if (best)
+            pc_vec3_put(position, v, blossom_at(old, mesh->face + best->face, best));
+        else if (v >= old->mesh.vertex_count)
+            place_unused(position, mesh, v);
+    }
+done:
+    pc_footprints_free(&prints, ctx);
+    pc_support_free(&scratch, ctx);
+    return status;
+}
+
+pc_status pc_insertion_refine(pc_tspline *spline, pc_closure_stats *stats, pc_context *ctx,
+                              const uint8_t *wish) {
+    pc_status status = PC_OK;
+    pc_tspline finer = {0};
+    PC_TRY(pc_tmesh_copy(&finer.mesh, ctx, &spline->mesh));
+    PC_TRY(pc_closure_refine(&finer.mesh, stats, ctx, wish));
+    PC_TRY(pc_basis_make(&finer.basis, ctx, &finer.mesh));
+    PC_TRY(pc_new(&finer.position, ctx, 3 * (size_t)finer.mesh.vertex_count));
+    PC_TRY(pc_new(&finer.bezier, ctx, 48 * (size_t)finer.basis.element_count));
+    PC_TRY(place_points(finer.position, ctx, spline, &finer.mesh));
+    pc_tspline_update(&finer);
+    pc_tspline_free(spline, ctx);
+    *spline = finer;
+    finer = (pc_tspline){0};
+done:
+    pc_tspline_free(&finer, ctx);
+    return status;
+}
