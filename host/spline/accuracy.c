@@ -1,0 +1,116 @@
+#include "accuracy.h"
+#include "memory.h"
+
+enum { MOST_PER_SIDE = 24 };
+
+/* The nearest point is on an edge or vertex of the scan's border. */
+static bool is_on_border(const pc_target *target, const pc_bvh_hit *hit) {
+    for (pc_index k = 0; k < 3; k++) {
+        pc_index h = 3 * hit->face + k;
+        if (target->adjacency->twin[h] == PC_NONE && hit->weight[(k + 2) % 3] <= 0) return true;
+        if (hit->weight[k] >= 1 && target->adjacency->vertex_boundary[target->mesh->triangle[h]]) return true;
+    }
+    return false;
+}
+
+/* One face of the surface. */
+typedef struct measured {
+    double max, sum;
+    size_t beyond;
+} measured;
+
+/* Samples on a grid, at the corners of its squares too; the residuals' changes from one to the next. */
+static measured measure_face(pc_face_error *error, const pc_tspline *spline, const pc_target *target,
+                             pc_index f, int n) {
+    measured m = {0};
+    pc_vec3 residual[MOST_PER_SIDE * MOST_PER_SIDE];
+    const double *size = spline->mesh.face[f].size;
+    pc_index hint = PC_NONE;
+    for (int i = 0; i < n * n; i++) {
+        double u = (double)(i % n) / (n - 1), v = (double)(i / n) / (n - 1); /* NOLINT */
+        pc_vec3 p = pc_tspline_point(spline, pc_tspline_place(spline, f, u * size[0], v * size[1]));
+        pc_bvh_hit hit = pc_bvh_closest(&target->tree, p, hint);
+        hint = hit.face;
+        residual[i] = pc_sub(p, hit.point);
+        if (hit.face == PC_NONE || is_on_border(target, &hit)) {
+            residual[i] = (pc_vec3){0, 0, 0};
+            m.beyond++;
+            continue;
+        }
+        m.max = fmax(m.max, hit.distance);
+        m.sum += hit.distance;
+    }
+    if (!error) return m;
+    error->max = m.max;
+    for (int i = 0; i < n * n; i++) {
+        pc_vec3 r = residual[i];
+        if (i % n + 1 < n) error->change[0] += pow(pc_distance(residual[i + 1], r), 2);
+        if (i / n + 1 < n) error->change[1] += pow(pc_distance(residual[i + n], r), 2);
+    }
+    return m;
+}
+
+static pc_status measure_surface(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
+                                 const pc_tspline *spline, const pc_target *target, int per_side) {
+    pc_status status = PC_OK;
+    measured *found = NULL;
+    pc_index faces = spline->mesh.face_count;
+    size_t samples = 0;
+    PC_TRY(pc_new(&found, ctx, faces));
+#pragma omp parallel for schedule(static)
+    for (pc_index f = 0; f < faces; f++)
+        if (!spline->mesh.face[f].ghost)
+            found[f] = measure_face(error ? error + f : NULL, spline, target, f, per_side);
+    for (pc_index f = 0; f < faces; f++) {
+        if (spline->mesh.face[f].ghost) continue;
+        samples += (size_t)per_side * (size_t)per_side - found[f].beyond;
+        accuracy->surface_max = fmax(accuracy->surface_max, found[f].max);
+        accuracy->surface_mean += found[f].sum;
+        accuracy->beyond += found[f].beyond;
+    }
+    if (samples) accuracy->surface_mean /= (double)samples;
+    accuracy->samples += samples;
+done:
+    pc_free(ctx, found);
+    return status;
+}
+
+static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
+                              const pc_tspline *spline, const pc_target *target) {
+    pc_status status = PC_OK;
+    const pc_mesh *mesh = target->mesh;
+    pc_facets facets = {0};
+    pc_nearest *nearest = NULL;
+    size_t used = 0;
+    PC_TRY(pc_facets_make(&facets, ctx, spline, 4, false));
+    PC_TRY(pc_new(&nearest, ctx, mesh->vertex_count));
+    pc_nearest_all(nearest, spline, &facets, mesh->position, mesh->vertex_count);
+    for (pc_index v = 0; v < mesh->vertex_count; v++) {
+        if (target->adjacency->vertex_half[v] == PC_NONE || nearest[v].place.element == PC_NONE) continue;
+        pc_index f = spline->basis.element[nearest[v].place.element].face;
+        used++;
+        accuracy->scan_mean += nearest[v].distance;
+        accuracy->scan_max = fmax(accuracy->scan_max, nearest[v].distance);
+        if (error) error[f].max = fmax(error[f].max, nearest[v].distance);
+    }
+    if (used) accuracy->scan_mean /= (double)used;
+    accuracy->samples += used;
+done:
+    pc_facets_free(&facets, ctx);
+    pc_free(ctx, nearest);
+    return status;
+}
+
+pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
+                              const pc_tspline *spline, const pc_target *target, int per_side) {
+    pc_status status = PC_OK;
+    *accuracy = (pc_accuracy){0};
+    for (pc_index f = 0; error && f < spline->mesh.face_count; f++)
+        error[f] = (pc_face_error){0};
+    per_side = per_side < 2 ? 2 : per_side > MOST_PER_SIDE ? MOST_PER_SIDE : per_side;
+    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side));
+    PC_TRY(measure_scan(accuracy, error, ctx, spline, target));
+    accuracy->max = fmax(accuracy->scan_max, accuracy->surface_max);
+done:
+    return status;
+}

@@ -1,0 +1,54 @@
+#include "adapt.h"
+#include "insertion.h"
+#include "memory.h"
+
+/* Faces over the tolerance, and which way to halve them. */
+static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_error *error,
+                       const pc_adapt_options *options) {
+    pc_index chosen = 0;
+    for (pc_index f = 0; f < spline->mesh.face_count; f++) {
+        const double *change = error[f].change;
+        wish[f] = 0;
+        if (!(error[f].max > options->tolerance)) continue;
+        wish[f] = change[0] > options->anisotropy * change[1]   ? PC_HALVE_S
+                  : change[1] > options->anisotropy * change[0] ? PC_HALVE_T
+                                                                : PC_HALVE_S | PC_HALVE_T;
+        chosen++;
+    }
+    return chosen;
+}
+
+pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, pc_device *device,
+                   const pc_target *target, const pc_adapt_options *options) {
+    pc_status status = PC_OK;
+    pc_fit_options fit = options->fit;
+    pc_face_error *error = NULL;
+    uint8_t *wish = NULL;
+    *stats = (pc_adapt_stats){.first_points = spline->mesh.vertex_count};
+    fit.flat = true;
+    for (stats->rounds = 0;; stats->rounds++) {
+        pc_closure_stats closed;
+        PC_TRY(pc_fit(spline, &stats->fit, ctx, device, target, &fit));
+        fit.flat = false;
+        PC_TRY(pc_new(&error, ctx, spline->mesh.face_count));
+        PC_TRY(pc_accuracy_measure(&stats->accuracy, error, ctx, spline, target, options->per_side));
+        if (stats->rounds == 0) stats->first_max = stats->accuracy.max;
+        pc_log(ctx, PC_LOG_DEBUG, "spline: %u control points, %u T-junctions, max %g, mean %g",
+               spline->mesh.vertex_count, stats->junctions, stats->accuracy.max, stats->accuracy.scan_mean);
+        if (stats->accuracy.max <= options->tolerance || stats->rounds == options->max_rounds) break;
+        if (options->max_points && spline->mesh.vertex_count >= options->max_points) break;
+        PC_TRY(pc_new(&wish, ctx, spline->mesh.face_count));
+        if (!choose(wish, spline, error, options)) break;
+        PC_TRY(pc_insertion_refine(spline, &closed, ctx, wish));
+        stats->junctions = closed.junctions;
+        pc_free(ctx, error), error = NULL;
+        pc_free(ctx, wish), wish = NULL;
+    }
+    if (stats->accuracy.max > options->tolerance)
+        status = pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
+                         spline->mesh.vertex_count, stats->accuracy.max, options->tolerance);
+done:
+    pc_free(ctx, error);
+    pc_free(ctx, wish);
+    return status;
+}

@@ -1,0 +1,35 @@
+/* From a control mesh to a surface within tolerance: fit, measure, refine where it is too far off (digest
+ * C41, many faces per round). */
+#ifndef PC_ADAPT_H
+#define PC_ADAPT_H
+
+#include "accuracy.h"
+#include "closure.h"
+#include "fit.h"
+
+typedef struct pc_adapt_options {
+    double tolerance;    /* two-sided distance, in model units */
+    pc_index max_points; /* control points; 0: no limit */
+    int max_rounds;      /* of refinement */
+    int per_side;        /* samples per side of a face where distances are measured */
+    double anisotropy;   /* halve in one direction only where the residual changes this much more along it */
+    pc_fit_options fit;
+} pc_adapt_options;
+#define PC_ADAPT_DEFAULTS                                                                                    \
+    { 0, 0, 12, 6, 2, PC_FIT_DEFAULTS }
+
+typedef struct pc_adapt_stats {
+    int rounds;
+    pc_index first_points; /* control points before refinement, and */
+    double first_max;      /* the error that they reached */
+    pc_accuracy accuracy;  /* at the end */
+    pc_fit_stats fit;      /* of the last fit */
+    pc_index junctions;
+} pc_adapt_stats;
+
+/* The control points of `spline` lie on the scan at first. PC_E_NOCONV, with the reached error in the message
+ * and in `stats`, where the budget does not reach the tolerance: `spline` is then the best so far. */
+pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, pc_device *device,
+                   const pc_target *target, const pc_adapt_options *options);
+
+#endif

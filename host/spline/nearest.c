@@ -1,0 +1,156 @@
+#include "nearest.h"
+#include "memory.h"
+
+/* The bilinear interpolation of the four corners of the element's face. */
+static pc_vec3 flat_point(const pc_tspline *spline, const pc_element *element, double s, double t) {
+    const pc_tmesh *mesh = &spline->mesh;
+    const pc_tface *face = mesh->face + element->face;
+    double u = s / face->size[0], v = t / face->size[1];
+    const double share[4] = {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
+    pc_vec3 p = {0, 0, 0};
+    pc_index h = face->first;
+    do {
+        const pc_thalf *e = mesh->half + h;
+        if (e->along <= 0) p = pc_madd(p, share[e->side], pc_vec3_at(spline->position, e->tail));
+        h = e->next;
+    } while (h != face->first);
+    return p;
+}
+
+pc_status pc_facets_make(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, int per_side,
+                         bool flat) {
+    pc_status status = PC_OK;
+    const pc_basis *basis = &spline->basis;
+    pc_index n = (pc_index)per_side, row = n + 1;
+    *facets = (pc_facets){.per_side = per_side, .basis = basis};
+    PC_TRY(pc_mesh_make(&facets->mesh, ctx, (size_t)basis->element_count * row * row,
+                        2 * (size_t)basis->element_count * n * n));
+#pragma omp parallel for schedule(static)
+    for (pc_index e = 0; e < basis->element_count; e++) {
+        const pc_element *element = basis->element + e;
+        pc_index *corner = facets->mesh.triangle + 6 * (size_t)e * n * n;
+        pc_index first = e * row * row;
+        for (pc_index i = 0; i < row * row; i++) {
+            double s = element->low[0] + (element->high[0] - element->low[0]) * (i % row) / per_side;
+            double t = element->low[1] + (element->high[1] - element->low[1]) * (i / row) / per_side;
+            pc_vec3 p = flat ? flat_point(spline, element, s, t)
+                             : pc_tspline_point(spline, (pc_surface_place){e, s, t});
+            pc_vec3_put(facets->mesh.position, first + i, p);
+        }
+        for (pc_index i = 0; i < n * n; i++) {
+            pc_index at = first + i / n * row + i % n;
+            const pc_index square[6] = {at, at + 1, at + row, at + row + 1, at + row, at + 1};
+            for (int k = 0; k < 6; k++)
+                *corner++ = square[k];
+        }
+    }
+    PC_TRY(pc_bvh_make(&facets->tree, ctx, &facets->mesh));
+done:
+    if (status != PC_OK) pc_facets_free(facets, ctx);
+    return status;
+}
+
+void pc_facets_free(pc_facets *facets, pc_context *ctx) {
+    pc_bvh_free(&facets->tree, ctx);
+    pc_mesh_free(&facets->mesh, ctx);
+}
+
+pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, const double weight[3]) {
+    pc_index n = (pc_index)facets->per_side, e = triangle / (2 * n * n), square = triangle / 2 % (n * n);
+    const pc_element *element = facets->basis->element + e;
+    bool upper = triangle % 2;
+    double u = upper ? 1 - weight[1] : weight[1], v = upper ? 1 - weight[2] : weight[2];
+    double s = (square % n + u) / n, t = (square / n + v) / n;
+    return (pc_surface_place){e, element->low[0] + s * (element->high[0] - element->low[0]),
+                              element->low[1] + t * (element->high[1] - element->low[1])};
+}
+
+/* Newton's step for the distance; where its matrix bends the wrong way that of Gauss and Newton. A parameter
+ * that is `locked` (0 or 1, else -1) stays. */
+static void newton_step(double step[2], const pc_surface_point *x, pc_vec3 target, int locked) {
+    pc_vec3 r = pc_sub(x->p, target);
+    double gs = pc_dot(r, x->s), gt = pc_dot(r, x->t);
+    double e = pc_dot(x->s, x->s), f = pc_dot(x->s, x->t), g = pc_dot(x->t, x->t);
+    double a = e + pc_dot(r, x->ss), b = f + pc_dot(r, x->st), c = g + pc_dot(r, x->tt);
+    if (!(a > 0.1 * e && c > 0.1 * g && a * c - b * b > 0.1 * (e * g - f * f))) a = e, b = f, c = g;
+    double det = a * c - b * b;
+    step[0] = step[1] = 0;
+    if (locked == 0 && c > 0) step[1] = -gt / c;
+    if (locked == 1 && a > 0) step[0] = -gs / a;
+    if (locked >= 0 || !(det > 1e-12 * a * c)) return;
+    step[0] = -(c * gs - b * gt) / det;
+    step[1] = -(a * gt - b * gs) / det;
+}
+
+/* Goes from the place along the step as far as the element reaches; returns the side it stops at, or -1. */
+static int advance(pc_surface_place *place, const pc_element *e, const double step[2]) {
+    double part = 1;
+    int side = -1;
+    const double from[2] = {place->s, place->t};
+    for (int k = 0; k < 2; k++) {
+        double room = step[k] > 0 ? e->high[k] - from[k] : from[k] - e->low[k];
+        if (room < part * fabs(step[k])) {
+            part = room > 0 ? room / fabs(step[k]) : 0;
+            side = k == 0 ? (step[k] > 0 ? 1 : 3) : (step[k] > 0 ? 2 : 0);
+        }
+    }
+    place->s = from[0] + part * step[0];
+    place->t = from[1] + part * step[1];
+    if (side == 1 || side == 3) place->s = side == 1 ? e->high[0] : e->low[0];
+    if (side == 0 || side == 2) place->t = side == 2 ? e->high[1] : e->low[1];
+    return side;
+}
+
+pc_nearest pc_nearest_from(const pc_tspline *spline, pc_surface_place place, pc_vec3 target) {
+    enum { MOST_STEPS = 12 };
+    pc_surface_point x = pc_tspline_evaluate(spline, place);
+    pc_nearest best = {place, x.p, pc_distance(x.p, target)};
+    double damping = 1;
+    int locked = -1;
+    for (int i = 0; i < MOST_STEPS && damping > 0.1; i++) {
+        double step[2];
+        const pc_element *e = spline->basis.element + best.place.element;
+        x = pc_tspline_evaluate(spline, best.place);
+        newton_step(step, &x, target, locked);
+        step[0] *= damping, step[1] *= damping;
+        double least = 1e-7 * (e->high[0] - e->low[0] + e->high[1] - e->low[1]);
+        if (fabs(step[0]) + fabs(step[1]) < least) break;
+        place = best.place;
+        int side = advance(&place, e, step);
+        pc_surface_place beyond;
+        bool stays = place.s == best.place.s && place.t == best.place.t;
+        pc_vec3 p = pc_tspline_point(spline, place);
+        double distance = pc_distance(p, target);
+        if (stays || distance < best.distance) {
+            best = (pc_nearest){place, p, stays ? best.distance : distance};
+            if (side >= 0 && pc_tspline_cross(&beyond, spline, place, side)) {
+                best.place = beyond;
+                locked = -1;
+            } else if (side >= 0) { /* along the border of the surface */
+                if (locked >= 0) break;
+                locked = side == 1 || side == 3 ? 0 : 1;
+            }
+        } else {
+            damping /= 2;
+        }
+    }
+    return best;
+}
+
+void pc_nearest_all(pc_nearest *nearest, const pc_tspline *spline, const pc_facets *facets,
+                    const double *points, size_t count) {
+    enum { CHUNK = 128 };
+    size_t chunks = (count + CHUNK - 1) / CHUNK;
+#pragma omp parallel for schedule(dynamic, 4)
+    for (size_t c = 0; c < chunks; c++) {
+        pc_index hint = PC_NONE;
+        for (size_t i = c * CHUNK; i < (c + 1) * CHUNK && i < count; i++) {
+            pc_vec3 p = pc_vec3_at(points, i);
+            pc_bvh_hit hit = pc_bvh_closest(&facets->tree, p, hint);
+            hint = hit.face;
+            nearest[i] = (pc_nearest){.place = {PC_NONE, 0, 0}, .distance = INFINITY};
+            if (hit.face != PC_NONE)
+                nearest[i] = pc_nearest_from(spline, pc_facets_place(facets, hit.face, hit.weight), p);
+        }
+    }
+}

@@ -1,0 +1,216 @@
+#include "target.h"
+#include "geometry.h"
+#include "memory.h"
+#include <string.h>
+
+pc_status pc_target_make(pc_target *target, pc_context *ctx, const pc_mesh *mesh,
+                         const pc_adjacency *adjacency) {
+    pc_status status = PC_OK;
+    *target = (pc_target){.mesh = mesh, .adjacency = adjacency};
+    PC_TRY(pc_bvh_make(&target->tree, ctx, mesh));
+    PC_TRY(pc_new(&target->normal, ctx, 3 * (size_t)mesh->vertex_count));
+    pc_geometry_vertex_normals(target->normal, mesh, adjacency, PC_NORMAL_ANGLE);
+    target->diagonal = pc_box_diagonal(pc_geometry_box(mesh));
+done:
+    if (status != PC_OK) pc_target_free(target, ctx);
+    return status;
+}
+
+void pc_target_free(pc_target *target, pc_context *ctx) {
+    pc_bvh_free(&target->tree, ctx);
+    pc_free(ctx, target->normal);
+    *target = (pc_target){0};
+}
+
+typedef struct gathering {
+    const pc_tspline *spline;
+    const pc_target *target;
+    const pc_samples_options *options;
+    pc_facets facets;
+    pc_sample *raw; /* of the scan's vertices, then of the faces; element PC_NONE: refused */
+    size_t count;
+} gathering;
+
+/* The surface's normal at a place: of the flat facet before the first fit. */
+static pc_vec3 normal_at(const gathering *g, pc_surface_place place, pc_index triangle) {
+    if (g->options->flat && triangle != PC_NONE) {
+        const pc_index *t = g->facets.mesh.triangle + 3 * (size_t)triangle;
+        const double *x = g->facets.mesh.position;
+        return pc_triangle_normal(pc_vec3_at(x, t[0]), pc_vec3_at(x, t[1]), pc_vec3_at(x, t[2]));
+    }
+    pc_surface_point p = pc_tspline_evaluate(g->spline, place);
+    return pc_cross(p.s, p.t);
+}
+
+static void sample_vertices(gathering *g) {
+    enum { CHUNK = 128 };
+    const pc_mesh *mesh = g->target->mesh;
+    pc_index chunks = (mesh->vertex_count + CHUNK - 1) / CHUNK;
+#pragma omp parallel for schedule(dynamic, 4)
+    for (pc_index c = 0; c < chunks; c++) {
+        pc_index hint = PC_NONE;
+        for (pc_index v = c * CHUNK; v < (c + 1) * CHUNK && v < mesh->vertex_count; v++) {
+            pc_vec3 p = pc_vec3_at(mesh->position, v);
+            g->raw[v] = (pc_sample){.place.element = PC_NONE, .target = p};
+            if (g->target->adjacency->vertex_half[v] == PC_NONE) continue;
+            pc_bvh_hit hit = pc_bvh_closest(&g->facets.tree, p, hint);
+            hint = hit.face;
+            if (hit.face == PC_NONE) continue;
+            pc_surface_place place = pc_facets_place(&g->facets, hit.face, hit.weight);
+            if (!g->options->flat) place = pc_nearest_from(g->spline, place, p).place;
+            if (pc_dot(normal_at(g, place, hit.face), pc_vec3_at(g->target->normal, v)) > 0)
+                g->raw[v].place = place;
+        }
+    }
+}
+
+/* A point of the surface, and its normal; the bilinear face's before the first fit. */
+static pc_vec3 surface_point(const gathering *g, pc_surface_place place, pc_vec3 *normal) {
+    if (!g->options->flat) {
+        pc_surface_point p = pc_tspline_evaluate(g->spline, place);
+        *normal = pc_cross(p.s, p.t);
+        return p.p;
+    }
+    const pc_element *e = g->spline->basis.element + place.element;
+    int n = g->facets.per_side;
+    double u = n * (place.s - e->low[0]) / (e->high[0] - e->low[0]);
+    double v = n * (place.t - e->low[1]) / (e->high[1] - e->low[1]);
+    int i = (int)fmin(u, n - 1), j = (int)fmin(v, n - 1);
+    pc_index row = (pc_index)n + 1, at = place.element * row * row + (pc_index)j * row + (pc_index)i;
+    const double *x = g->facets.mesh.position;
+    pc_vec3 a = pc_vec3_at(x, at), b = pc_vec3_at(x, at + 1), c = pc_vec3_at(x, at + row);
+    pc_vec3 d = pc_vec3_at(x, at + row + 1);
+    *normal = pc_cross(pc_sub(d, a), pc_sub(c, b));
+    u -= i, v -= j;
+    return pc_add(pc_scale(1 - v, pc_add(pc_scale(1 - u, a), pc_scale(u, b))),
+                  pc_scale(v, pc_add(pc_scale(1 - u, c), pc_scale(u, d))));
+}
+
+static int grid_of(const gathering *g, pc_index e) {
+    const pc_element *element = g->spline->basis.element + e;
+    const double *size = g->spline->mesh.face[element->face].size;
+    double part =
+        fmax((element->high[0] - element->low[0]) / size[0], (element->high[1] - element->low[1]) / size[1]);
+    return (int)ceil(part * g->options->per_side);
+}
+
+static void sample_element(gathering *g, pc_index e, pc_sample *to) {
+    const pc_element *element = g->spline->basis.element + e;
+    int n = grid_of(g, e);
+    pc_index hint = PC_NONE;
+    for (int i = 0; i < n * n; i++) {
+        double u = (i % n + 0.5) / n, v = (i / n + 0.5) / n; /* NOLINT(bugprone-integer-division) */
+        pc_surface_place place = {e, element->low[0] + u * (element->high[0] - element->low[0]),
+                                  element->low[1] + v * (element->high[1] - element->low[1])};
+        pc_vec3 normal, scan = {0, 0, 0}, p = surface_point(g, place, &normal);
+        pc_bvh_hit hit = pc_bvh_closest(&g->target->tree, p, hint);
+        hint = hit.face;
+        to[i] = (pc_sample){.place.element = PC_NONE};
+        if (hit.face == PC_NONE) continue;
+        to[i] = (pc_sample){.place = place, .target = hit.point};
+        const pc_index *t = g->target->mesh->triangle + 3 * (size_t)hit.face;
+        for (int k = 0; k < 3; k++)
+            scan = pc_madd(scan, hit.weight[k], pc_vec3_at(g->target->normal, t[k]));
+        if (!(pc_dot(normal, scan) > 0)) to[i].place.element = PC_NONE;
+    }
+}
+
+static pc_status sample_faces(gathering *g, pc_context *ctx) {
+    pc_status status = PC_OK;
+    size_t *start = NULL, vertices = g->target->mesh->vertex_count;
+    pc_index elements = g->spline->basis.element_count;
+    PC_TRY(pc_new(&start, ctx, (size_t)elements + 1));
+    start[0] = vertices;
+    for (pc_index e = 0; e < elements; e++)
+        start[e + 1] = start[e] + (size_t)(grid_of(g, e) * grid_of(g, e));
+    g->count = start[elements];
+    PC_TRY(pc_resize(&g->raw, ctx, g->count));
+#pragma omp parallel for schedule(static)
+    for (pc_index e = 0; e < elements; e++)
+        sample_element(g, e, g->raw + start[e]);
+done:
+    pc_free(ctx, start);
+    return status;
+}
+
+/* Triangles within one face whose parameters run clockwise: their corners are refused. */
+static pc_status refuse_flipped(gathering *g, pc_samples *samples, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_mesh *mesh = g->target->mesh;
+    uint8_t *bad = NULL;
+    PC_TRY(pc_new(&bad, ctx, mesh->vertex_count));
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        const pc_index *t = mesh->triangle + 3 * (size_t)f;
+        const pc_sample *s[3] = {g->raw + t[0], g->raw + t[1], g->raw + t[2]};
+        pc_index face[3];
+        for (int k = 0; k < 3; k++)
+            face[k] =
+                s[k]->place.element == PC_NONE ? PC_NONE : g->spline->basis.element[s[k]->place.element].face;
+        if (face[0] == PC_NONE || face[0] != face[1] || face[0] != face[2]) continue;
+        double area = (s[1]->place.s - s[0]->place.s) * (s[2]->place.t - s[0]->place.t) -
+                      (s[2]->place.s - s[0]->place.s) * (s[1]->place.t - s[0]->place.t);
+        if (area >= 0) continue;
+        samples->flipped++;
+        for (int k = 0; k < 3; k++)
+            bad[t[k]] = 1;
+    }
+    for (pc_index v = 0; v < mesh->vertex_count; v++)
+        if (bad[v]) g->raw[v].place.element = PC_NONE;
+done:
+    pc_free(ctx, bad);
+    return status;
+}
+
+static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_basis *basis = &g->spline->basis;
+    size_t *start = NULL;
+    PC_TRY(pc_new(&start, ctx, (size_t)basis->element_count + 2));
+    for (size_t i = 0; i < g->count; i++) {
+        if (g->raw[i].place.element == PC_NONE)
+            samples->refused++;
+        else
+            start[g->raw[i].place.element + 2]++;
+    }
+    for (size_t e = 0; e < basis->element_count; e++)
+        start[e + 2] += start[e + 1];
+    samples->count = g->count - samples->refused;
+    PC_TRY(pc_new(&samples->sample, ctx, samples->count));
+    for (size_t i = 0; i < g->count; i++)
+        if (g->raw[i].place.element != PC_NONE)
+            samples->sample[start[g->raw[i].place.element + 1]++] = g->raw[i];
+    for (pc_index e = 0; e < basis->element_count; e++) {
+        const pc_element *element = basis->element + e;
+        const double *size = g->spline->mesh.face[element->face].size;
+        double share =
+            (element->high[0] - element->low[0]) / size[0] * (element->high[1] - element->low[1]) / size[1];
+        for (size_t i = start[e]; i < start[e + 1]; i++)
+            samples->sample[i].weight = share / (double)(start[e + 1] - start[e]);
+    }
+done:
+    pc_free(ctx, start);
+    return status;
+}
+
+pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
+                          const pc_target *target, const pc_samples_options *options) {
+    pc_status status = PC_OK;
+    gathering g = {.spline = spline, .target = target, .options = options};
+    *samples = (pc_samples){0};
+    PC_TRY(pc_facets_make(&g.facets, ctx, spline, 4, options->flat));
+    PC_TRY(pc_new(&g.raw, ctx, target->mesh->vertex_count));
+    sample_vertices(&g);
+    PC_TRY(refuse_flipped(&g, samples, ctx));
+    PC_TRY(sample_faces(&g, ctx));
+    PC_TRY(sort_samples(&g, samples, ctx));
+done:
+    pc_facets_free(&g.facets, ctx);
+    pc_free(ctx, g.raw);
+    if (status != PC_OK) pc_samples_free(samples, ctx);
+    return status;
+}
+
+void pc_samples_free(pc_samples *samples, pc_context *ctx) {
+    pc_free(ctx, samples->sample);
+    *samples = (pc_samples){0};
+}
