@@ -1,18 +1,40 @@
 #include "adapt.h"
 #include "insertion.h"
 #include "memory.h"
+#include <stdlib.h>
 
-/* Faces over the tolerance, and which way to halve them. */
-static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_error *error,
-                       const pc_adapt_options *options) {
+static int descending(const void *x, const void *y) {
+    double a = *(const double *)x, b = *(const double *)y;
+    return (a < b) - (a > b);
+}
+
+/* The error above which faces are refined now: others may profit from that. */
+static pc_status threshold(double *limit, pc_context *ctx, const pc_face_error *error, size_t faces,
+                           const pc_adapt_options *options) {
+    pc_status status = PC_OK;
+    double *max = NULL;
+    size_t most = (size_t)ceil(options->portion * (double)faces);
+    PC_TRY(pc_new(&max, ctx, faces));
+    for (size_t f = 0; f < faces; f++)
+        max[f] = error[f].max;
+    qsort(max, faces, sizeof *max, descending);
+    *limit = most < faces ? fmax(options->tolerance, max[most]) : options->tolerance;
+done:
+    pc_free(ctx, max);
+    return status;
+}
+
+/* Faces over the limit, and which way to halve them. */
+static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_error *error, double limit,
+                       double anisotropy) {
     pc_index chosen = 0;
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
         const double *change = error[f].change;
         wish[f] = 0;
-        if (!(error[f].max > options->tolerance)) continue;
-        wish[f] = change[0] > options->anisotropy * change[1]   ? PC_HALVE_S
-                  : change[1] > options->anisotropy * change[0] ? PC_HALVE_T
-                                                                : PC_HALVE_S | PC_HALVE_T;
+        if (!(error[f].max > limit)) continue;
+        wish[f] = change[0] > anisotropy * change[1]   ? PC_HALVE_S
+                  : change[1] > anisotropy * change[0] ? PC_HALVE_T
+                                                       : PC_HALVE_S | PC_HALVE_T;
         chosen++;
     }
     return chosen;
@@ -28,6 +50,7 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
     fit.flat = true;
     for (stats->rounds = 0;; stats->rounds++) {
         pc_closure_stats closed;
+        double limit;
         PC_TRY(pc_fit(spline, &stats->fit, ctx, device, target, &fit));
         fit.flat = false;
         PC_TRY(pc_new(&error, ctx, spline->mesh.face_count));
@@ -38,7 +61,8 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
         if (stats->accuracy.max <= options->tolerance || stats->rounds == options->max_rounds) break;
         if (options->max_points && spline->mesh.vertex_count >= options->max_points) break;
         PC_TRY(pc_new(&wish, ctx, spline->mesh.face_count));
-        if (!choose(wish, spline, error, options)) break;
+        PC_TRY(threshold(&limit, ctx, error, spline->mesh.face_count, options));
+        if (!choose(wish, spline, error, limit, options->anisotropy)) break;
         PC_TRY(pc_insertion_refine(spline, &closed, ctx, wish));
         stats->junctions = closed.junctions;
         pc_free(ctx, error), error = NULL;

@@ -12,11 +12,12 @@ typedef struct pc_adapt_options {
     pc_index max_points; /* control points; 0: no limit */
     int max_rounds;      /* of refinement */
     int per_side;        /* samples per side of a face where distances are measured */
+    double portion;      /* of the faces that are refined in one round at most, the worst ones */
     double anisotropy;   /* halve in one direction only where the residual changes this much more along it */
     pc_fit_options fit;
 } pc_adapt_options;
 #define PC_ADAPT_DEFAULTS                                                                                    \
-    { 0, 0, 12, 6, 2, PC_FIT_DEFAULTS }
+    { 0, 0, 20, 6, 0.2, 2, PC_FIT_DEFAULTS }
 
 typedef struct pc_adapt_stats {
     int rounds;
