@@ -110,33 +110,22 @@ static int compare(const void *x, const void *y) {
     return (a > b) - (a < b);
 }
 
-/* The columns of row v, ascending, itself left out; `room` bounds what is written. */
-static size_t columns_of(pc_index *column, const assembly *a, pc_index v) {
+/* The columns of row v, ascending, itself left out. `seen` is scratch, a value per vertex that no row has. */
+static size_t columns_of(pc_index *column, pc_index *seen, const assembly *a, pc_index v) {
     const pc_basis *basis = &a->spline->basis;
-    size_t count = 0, kept = 0;
+    size_t count = 0;
+    seen[v] = v;
     for (size_t u = a->start[v]; u < a->start[v + 1]; u++) {
         pc_index e = a->element[a->use[u]];
-        for (size_t k = basis->start[e]; k < basis->start[e + 1]; k++)
-            if (basis->point[k] != v) column[count++] = basis->point[k];
+        for (size_t k = basis->start[e]; k < basis->start[e + 1]; k++) {
+            pc_index w = basis->point[k];
+            if (seen[w] == v) continue;
+            seen[w] = v;
+            column[count++] = w;
+        }
     }
     qsort(column, count, sizeof *column, compare);
-    for (size_t i = 0; i < count; i++)
-        if (i == 0 || column[i] != column[i - 1]) column[kept++] = column[i];
-    return kept;
-}
-
-static size_t most_columns(const assembly *a) {
-    const pc_basis *basis = &a->spline->basis;
-    size_t most = 0;
-    for (pc_index v = 0; v < basis->vertex_count; v++) {
-        size_t count = 0;
-        for (size_t u = a->start[v]; u < a->start[v + 1]; u++) {
-            pc_index e = a->element[a->use[u]];
-            count += basis->start[e + 1] - basis->start[e];
-        }
-        most = count > most ? count : most;
-    }
-    return most;
+    return count;
 }
 
 static void fill_row(pc_system *system, double *right, const assembly *a, pc_index v) {
@@ -197,22 +186,29 @@ done:
 
 static pc_status fill_pattern(pc_system *system, pc_context *ctx, const assembly *a) {
     pc_status status = PC_OK;
-    pc_index *column = NULL;
-    size_t *count = NULL, entries = 0;
-    pc_index rows = a->spline->basis.vertex_count;
-    PC_TRY(pc_new(&column, ctx, most_columns(a) + 1));
-    PC_TRY(pc_new(&count, ctx, (size_t)rows + 1));
-    for (pc_index v = 0; v < rows; v++)
-        entries += count[v] = columns_of(column, a, v);
-    PC_TRY(pc_system_make(system, ctx, PC_BLOCK_SCALAR, rows, entries));
+    pc_index *column = NULL, *seen = NULL, rows = a->spline->basis.vertex_count;
+    size_t count = 0, room = 64 * (size_t)rows;
+    size_t *start = NULL;
+    PC_TRY(pc_new(&seen, ctx, rows));
+    PC_TRY(pc_new(&start, ctx, (size_t)rows + 1));
+    PC_TRY(pc_new(&column, ctx, room));
+    memset(seen, 0xff, rows * sizeof *seen);
     for (pc_index v = 0; v < rows; v++) {
-        system->start[v + 1] = system->start[v] + (pc_index)count[v];
-        (void)columns_of(column, a, v);
-        memcpy(system->column + system->start[v], column, count[v] * sizeof *column);
+        if (count + rows > room) { /* a row may couple to all others, but hardly ever to a hundred */
+            room = 2 * room + rows;
+            PC_TRY(pc_resize(&column, ctx, room));
+        }
+        count += columns_of(column + count, seen, a, v);
+        start[v + 1] = count;
     }
+    PC_TRY(pc_system_make(system, ctx, PC_BLOCK_SCALAR, rows, count));
+    memcpy(system->column, column, count * sizeof *column);
+    for (pc_index v = 0; v < rows; v++)
+        system->start[v + 1] = (pc_index)start[v + 1];
 done:
     pc_free(ctx, column);
-    pc_free(ctx, count);
+    pc_free(ctx, seen);
+    pc_free(ctx, start);
     return status;
 }
 

@@ -127,7 +127,7 @@ static void scale_does_not_matter(void **state) {
             quads.position[i] *= scale;
         open_scene(&s, ctx);
         assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
-        options.tolerance = 3e-3 * scale;
+        options.tolerance = 6e-3 * scale;
         assert_ok(ctx, pc_adapt(&spline, &stats[k], ctx, s.host, &s.target, &options));
         assert_ok(ctx, pc_tspline_check(&spline, NULL, ctx));
         assert_ok(ctx, pc_closure_check(&spline.mesh, ctx));
@@ -161,11 +161,11 @@ static void borders_are_reached(void **state) {
     }
     open_scene(&s, ctx);
     assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
-    options.tolerance = 2e-3;
+    options.tolerance = 6e-3; /* the facets of the scan are up to half of that off */
     assert_ok(ctx, pc_adapt(&spline, &stats, ctx, s.host, &s.target, &options));
     assert_ok(ctx, pc_tspline_check(&spline, NULL, ctx));
     print_message("sheet: %u points, %.3g\n", spline.mesh.vertex_count, stats.accuracy.max);
-    assert_true(stats.accuracy.scan_max <= 2e-3); /* the scan's border vertices too */
+    assert_true(stats.accuracy.scan_max <= 6e-3); /* the scan's border vertices too */
     pc_tspline_free(&spline, ctx);
     pc_polymesh_free(&quads, ctx);
     close_scene(&s, ctx);
