@@ -34,7 +34,7 @@ static pc_index whole_side(const pc_tmesh *mesh, pc_index h) {
 
 /* Whether the faces beyond side k are a row that fits: whole sides against whole sides, the same height, each
  * the neighbour of the last. Puts their inner half-edges into the strip. */
-static bool finds_row(growth *g, int k) {
+static bool finds_row(growth *g, int k, pc_index block) {
     const pc_tmesh *mesh = &g->spline->mesh;
     double height = 0;
     for (pc_index i = 0; i < g->count[k]; i++) {
@@ -51,6 +51,10 @@ static bool finds_row(growth *g, int k) {
         }
         for (pc_index j = 0; j < i; j++)
             if (mesh->half[g->strip[j]].face == f) return false;
+        for (pc_index h = mesh->half[inner].next; h != inner; h = mesh->half[h].next) {
+            pc_index beyond = mesh->half[mesh->half[h].twin].face; /* no block meets itself */
+            if (beyond == f || (beyond != PC_NONE && g->blocks->of_face[beyond] == block)) return false;
+        }
         g->strip[i] = inner;
     }
     return true;
@@ -90,8 +94,7 @@ static void take_row(growth *g, int k, pc_index block) {
     pc_index extra = 0, h = last;
     while (mesh->half[h].along > 0)
         h = mesh->half[h].prev;
-    for (pc_index e = h; mesh->half[e].side == mesh->half[h].side && extra < 2 * n + g->count[after] + 64;
-         e = mesh->half[e].next)
+    for (pc_index e = h; mesh->half[e].side == mesh->half[h].side; e = mesh->half[e].next)
         extra++;
     memmove(g->side[after] + extra, g->side[after], g->count[after] * sizeof **g->side);
     for (pc_index i = 0; i < extra; i++, h = mesh->half[h].next)
@@ -165,7 +168,7 @@ pc_status pc_blocks_make(pc_blocks *blocks, pc_context *ctx, const pc_tspline *s
         block->cell = g.cells;
         begin(&g, f, number);
         for (int k = 0, vain = 0; vain < 4; k = (k + 1) & 3) {
-            if (finds_row(&g, k))
+            if (finds_row(&g, k, number))
                 take_row(&g, k, number), vain = 0;
             else
                 vain++;
