@@ -1,10 +1,12 @@
 /* A finished run of percale as a T-spline: control points, errors, rounds and times.
- * bench_spline OUT [TOLERANCE of the diagonal, default 0.002] [FAIRNESS] [DEPTH] */
+ * bench_spline OUT [TOLERANCE of the diagonal, default 0.002] [FAIRNESS] [DEPTH]; writes OUT/surface.step too
+ */
 #include "adapt.h"
 #include "clock.h"
 #include "continuity.h"
 #include "memory.h"
 #include "products.h"
+#include "step.h"
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -51,6 +53,25 @@ static void print_continuity(const pc_tspline *spline) {
                jump[c].normal_max * 180 / PC_PI, jump[c].curvature_mean, jump[c].curvature_max);
 }
 
+static pc_status write_step(pc_context *ctx, const pc_tspline *spline, double size, const char *folder) {
+    pc_status status = PC_OK;
+    pc_shell shell = {0};
+    char path[4096];
+    double begin = pc_clock_wall();
+    (void)snprintf(path, sizeof path, "%s/surface.step", folder);
+    PC_TRY(pc_shell_make(&shell, ctx, spline));
+    PC_TRY(pc_shell_check(&shell, ctx, size));
+    double made = pc_clock_wall();
+    PC_TRY(pc_step_write(ctx, &shell, size, "surface", path, true));
+    printf("{\"step\": \"%s\", \"faces\": %u, \"edges\": %u, \"vertices\": %u, \"borders\": %u, \"shell_s\": "
+           "%.2f, \"write_s\": %.2f}\n",
+           path, shell.face_count, shell.edge_count, shell.vertex_count, shell.border_count, made - begin,
+           pc_clock_wall() - made);
+done:
+    pc_shell_free(&shell, ctx);
+    return status;
+}
+
 static void log_line(void *user, pc_log_level level, const char *line) {
     (void)user, (void)level;
     (void)fprintf(stderr, "%s\n", line);
@@ -89,6 +110,7 @@ static pc_status measure(pc_context *ctx, int argc, char **argv) {
         stats.accuracy.scan_mean * percent, spline.basis.element_count, stats.fit.refused, stats.fit.flipped,
         made - begin, end - made);
     print_continuity(&spline);
+    PC_TRY(write_step(ctx, &spline, in.target.diagonal, argv[1]));
     PC_TRY(pc_closure_check(&spline.mesh, ctx));
     PC_TRY(pc_tspline_check(&spline, &facts, ctx));
     printf("{\"worst_sum\": %.2g, \"least_pivot\": %.2g, \"unused\": %u}\n", facts.worst_sum,

@@ -53,6 +53,65 @@ static void place_unused(double *position, const pc_tmesh *mesh, pc_index v) {
     pc_vec3_put(position, v, pc_scale(count ? 1.0 / count : 0, sum));
 }
 
+static pc_vec3 old_tail(const pc_tspline *old, pc_index h) {
+    return pc_vec3_at(old->position, old->mesh.half[h].tail);
+}
+
+/* The mean of the four corners of the face of h. */
+static pc_vec3 centre_of(const pc_tspline *old, pc_index h) {
+    pc_vec3 sum = {0, 0, 0};
+    for (int k = 0; k < 4; k++, h = old->mesh.half[h].next)
+        sum = pc_add(sum, old_tail(old, h));
+    return pc_scale(0.25, sum);
+}
+
+/* Catmull and Clark's rule for the old vertex at the tail of h. */
+static pc_vec3 corner_rule(const pc_tspline *old, pc_index h) {
+    const pc_tmesh *mesh = &old->mesh;
+    pc_vec3 sum = {0, 0, 0}, p = old_tail(old, h);
+    double n = 0;
+    pc_index first = h;
+    do {
+        sum = pc_add(sum, pc_add(p, old_tail(old, mesh->half[h].twin)));
+        sum = pc_add(sum, centre_of(old, h));
+        n++;
+        h = pc_thalf_ccw(mesh, h);
+    } while (h != first);
+    return pc_add(pc_scale((n - 3) / n, p), pc_scale(1 / (n * n), sum));
+}
+
+/* A vertex under whose function all faces are irregular: it is far from none but extraordinary vertices, so
+ * that all intervals around are equal and the rules of Catmull and Clark hold, in the old face that it is a
+ * corner, a middle or the centre of. */
+static void place_among_irregular(double *position, const pc_tspline *old, const pc_tmesh *mesh, pc_index v) {
+    pc_index h = mesh->vertex[v].out;
+    const pc_tface *face = mesh->face + mesh->half[h].face;
+    const double *size = old->mesh.face[face->root].size;
+    double at[2];
+    pc_thalf_place(at, mesh, h);
+    for (int k = 0; k < 2; k++)
+        at[k] = (at[k] + face->origin[k]) / size[k];
+    bool inner[2] = {at[0] > 0 && at[0]<1, at[1]> 0 && at[1] < 1};
+    int side = inner[0] ? (at[1] > 0 ? 2 : 0) : inner[1] ? (at[0] > 0 ? 1 : 3) : 0;
+    if (!inner[0] && !inner[1]) side = at[0] > 0 ? (at[1] > 0 ? 2 : 1) : at[1] > 0 ? 3 : 0;
+    pc_index e = old->mesh.face[face->root].first;
+    for (int k = 0; k < side; k++)
+        e = old->mesh.half[e].next;
+    pc_vec3 p;
+    if (inner[0] && inner[1]) {
+        p = centre_of(old, e);
+    } else if (inner[0] || inner[1]) {
+        pc_index twin = old->mesh.half[e].twin;
+        p = pc_add(pc_add(old_tail(old, e), old_tail(old, twin)),
+                   pc_add(centre_of(old, e), centre_of(old, twin)));
+        p = pc_scale(0.25, p);
+    } else {
+        if (face->size[0] == size[0]) return; /* nothing was cut here */
+        p = corner_rule(old, e);
+    }
+    pc_vec3_put(position, v, p);
+}
+
 static pc_status place_points(double *position, pc_context *ctx, const pc_tspline *old,
                               const pc_tmesh *mesh) {
     pc_status status = PC_OK;
@@ -70,6 +129,8 @@ static pc_status place_points(double *position, pc_context *ctx, const pc_tsplin
         }
         if (best)
             pc_vec3_put(position, v, blossom_at(old, mesh->face + best->face, best));
+        else if (pc_tface_is_irregular(mesh, mesh->half[mesh->vertex[v].out].face))
+            place_among_irregular(position, old, mesh, v);
         else if (v >= old->mesh.vertex_count)
             place_unused(position, mesh, v);
     }

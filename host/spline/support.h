@@ -22,8 +22,8 @@ typedef struct pc_support {
 } pc_support;
 
 /* Appends the faces where the function of vertex v is not zero, but for ghosts and faces with extraordinary
- * corners. Walks stay within the function's own rectangle and never cross an edge of an extraordinary vertex,
- * so that coordinates do not depend on the way. PC_E_NOMEM. */
+ * corners. Walks stay within one quadrant of the function's rectangle and never cross an edge of an
+ * extraordinary vertex inside of it, so that coordinates do not depend on the way. PC_E_NOMEM. */
 pc_status pc_support_append(pc_footprints *footprints, pc_support *scratch, pc_context *ctx,
                             const pc_tmesh *mesh, pc_index v);
 void pc_support_free(pc_support *scratch, pc_context *ctx);

@@ -4,6 +4,7 @@
 #include "insertion.h"
 #include "memory.h"
 #include "random.h"
+#include "random_quads.h"
 #include "suitable.h"
 #include "synth_quads.h"
 #include "testing.h"
@@ -124,11 +125,23 @@ static void spheres(void **state) {
     }
 }
 
+/* Extraordinary vertices side by side, across faces, and around regular ones. */
+static void folded_spheres(void **state) {
+    pc_context *ctx = *state;
+    for (uint64_t seed = 31; seed <= 36; seed++) {
+        pc_polymesh quads;
+        make_random_quads(&quads, ctx, seed, 6, (int)(seed - 28) * 4);
+        refine_at_random(ctx, &quads, seed, 2, 30);
+        pc_polymesh_free(&quads, ctx);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(tori, make_context, free_context),
         cmocka_unit_test_setup_teardown(planes, make_context, free_context),
         cmocka_unit_test_setup_teardown(spheres, make_context, free_context),
+        cmocka_unit_test_setup_teardown(folded_spheres, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 #include "insertion.h"
 #include "memory.h"
 #include "random.h"
+#include "random_quads.h"
 #include "shell.h"
 #include "synth_quads.h"
 #include "testing.h"
@@ -98,10 +99,31 @@ static void refined_shapes_are_watertight(void **state) {
     }
 }
 
+static void folded_spheres_are_watertight(void **state) {
+    pc_context *ctx = *state;
+    for (uint64_t seed = 41; seed <= 44; seed++) {
+        pc_polymesh quads;
+        pc_tspline spline;
+        pc_shell shell;
+        print_message("seed %d\n", (int)seed);
+        make_random_quads(&quads, ctx, seed, 6, 12);
+        assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
+        refine(&spline, ctx, seed, 40);
+        assert_ok(ctx, pc_shell_make(&shell, ctx, &spline));
+        assert_ok(ctx, pc_shell_check(&shell, ctx, 2));
+        assert_int_equal(shell.border_count, 0);
+        assert_int_equal((int)shell.vertex_count - (int)shell.edge_count + (int)shell.face_count, 2);
+        pc_shell_free(&shell, ctx);
+        pc_tspline_free(&spline, ctx);
+        pc_polymesh_free(&quads, ctx);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_grid_is_one_face, make_context, free_context),
         cmocka_unit_test_setup_teardown(refined_shapes_are_watertight, make_context, free_context),
+        cmocka_unit_test_setup_teardown(folded_spheres_are_watertight, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
