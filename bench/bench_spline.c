@@ -1,5 +1,6 @@
 /* A finished run of percale as a T-spline: control points, errors, rounds and times.
- * bench_spline OUT [TOLERANCE of the diagonal, default 0.002] [FAIRNESS] [DEPTH]; writes OUT/surface.step too
+ * bench_spline OUT [TOLERANCE of the diagonal, default 0.002] [FAIRNESS] [DEPTH] [ROUNDS]; writes
+ * OUT/surface.step too
  */
 #include "adapt.h"
 #include "clock.h"
@@ -88,6 +89,7 @@ static pc_status measure(pc_context *ctx, int argc, char **argv) {
     pc_basis_facts facts;
     if (argc > 3) options.fit.fairness = strtod(argv[3], NULL);
     if (argc > 4) making.depth = (uint8_t)strtoul(argv[4], NULL, 10);
+    if (argc > 5) options.max_rounds = (int)strtol(argv[5], NULL, 10);
     pc_context_set_log(ctx, log_line, NULL, PC_LOG_DEBUG);
     PC_TRY(load(&in, ctx, argv[1]));
     PC_TRY(pc_device_open(&device, ctx, "host"));

@@ -46,6 +46,8 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
     pc_fit_options fit = options->fit;
     pc_face_error *error = NULL;
     uint8_t *wish = NULL;
+    double least = INFINITY;
+    int vain = 0;
     *stats = (pc_adapt_stats){.first_points = spline->mesh.vertex_count};
     fit.flat = true;
     for (stats->rounds = 0;; stats->rounds++) {
@@ -56,9 +58,16 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
         PC_TRY(pc_new(&error, ctx, spline->mesh.face_count));
         PC_TRY(pc_accuracy_measure(&stats->accuracy, error, ctx, spline, target, options->per_side));
         if (stats->rounds == 0) stats->first_max = stats->accuracy.max;
-        pc_log(ctx, PC_LOG_DEBUG, "spline: %u control points, %u T-junctions, max %g, mean %g",
-               spline->mesh.vertex_count, stats->junctions, stats->accuracy.max, stats->accuracy.scan_mean);
+        pc_log(ctx, PC_LOG_DEBUG,
+               "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
+               "%zu samples, %zu refused, %zu flipped",
+               spline->mesh.vertex_count, stats->junctions, stats->accuracy.scan_max,
+               stats->accuracy.surface_max, stats->accuracy.scan_mean, stats->fit.samples, stats->fit.refused,
+               stats->fit.flipped);
         if (stats->accuracy.max <= options->tolerance || stats->rounds == options->max_rounds) break;
+        vain = stats->accuracy.max < least ? 0 : vain + 1;
+        least = fmin(least, stats->accuracy.max);
+        if (vain == options->patience) break;
         if (options->max_points && spline->mesh.vertex_count >= options->max_points) break;
         PC_TRY(pc_new(&wish, ctx, spline->mesh.face_count));
         PC_TRY(threshold(&limit, ctx, error, spline->mesh.face_count, options));

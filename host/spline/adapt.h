@@ -11,13 +11,14 @@ typedef struct pc_adapt_options {
     double tolerance;    /* two-sided distance, in model units */
     pc_index max_points; /* control points; 0: no limit */
     int max_rounds;      /* of refinement */
+    int patience;        /* rounds that may pass without a smaller error */
     int per_side;        /* samples per side of a face where distances are measured */
     double portion;      /* of the faces that are refined in one round at most, the worst ones */
     double anisotropy;   /* halve in one direction only where the residual changes this much more along it */
     pc_fit_options fit;
 } pc_adapt_options;
 #define PC_ADAPT_DEFAULTS                                                                                    \
-    { 0, 0, 20, 6, 0.2, 2, PC_FIT_DEFAULTS }
+    { 0, 0, 20, 3, 6, 0.2, 2, PC_FIT_DEFAULTS }
 
 typedef struct pc_adapt_stats {
     int rounds;
@@ -29,7 +30,9 @@ typedef struct pc_adapt_stats {
 } pc_adapt_stats;
 
 /* The control points of `spline` lie on the scan at first. PC_E_NOCONV, with the reached error in the message
- * and in `stats`, where the budget does not reach the tolerance: `spline` is then the best so far. */
+ * and in `stats`, where the tolerance is not reached: within the budget, or because several rounds in a row
+ * made nothing better (noise above the tolerance, a fold of the control mesh). `spline` is then the surface
+ * that `stats` is about. */
 pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, pc_device *device,
                    const pc_target *target, const pc_adapt_options *options);
 

@@ -161,7 +161,7 @@ static void fill_row(pc_system *system, double *right, const assembly *a, pc_ind
 }
 
 static pc_status fill_locals(assembly *a, pc_context *ctx, const pc_sample *samples, size_t count,
-                             double fairness) {
+                             double fairness, const double *stiffness) {
     pc_status status = PC_OK;
     const pc_basis *basis = &a->spline->basis;
     size_t *first = NULL;
@@ -175,7 +175,7 @@ static pc_status fill_locals(assembly *a, pc_context *ctx, const pc_sample *samp
         first[e + 1] += first[e];
 #pragma omp parallel for schedule(static)
     for (pc_index e = 0; e < basis->element_count; e++) {
-        add_bending(a->local + e, a->spline, e, &p, fairness);
+        add_bending(a->local + e, a->spline, e, &p, stiffness ? stiffness[e] * fairness : fairness);
         for (size_t i = first[e]; i < first[e + 1]; i++)
             add_sample(a->local + e, basis->element + e, samples + i);
     }
@@ -213,14 +213,15 @@ done:
 }
 
 pc_status pc_energy_assemble(pc_system *system, double **right, pc_context *ctx, const pc_tspline *spline,
-                             const pc_sample *samples, size_t count, double fairness) {
+                             const pc_sample *samples, size_t count, double fairness,
+                             const double *stiffness) {
     pc_status status = PC_OK;
     assembly a = {.spline = spline};
     pc_index rows = spline->basis.vertex_count;
     *system = (pc_system){0};
     *right = NULL;
     PC_TRY(find_uses(&a, ctx));
-    PC_TRY(fill_locals(&a, ctx, samples, count, fairness));
+    PC_TRY(fill_locals(&a, ctx, samples, count, fairness, stiffness));
     PC_TRY(fill_pattern(system, ctx, &a));
     PC_TRY(pc_new(right, ctx, 3 * (size_t)rows));
 #pragma omp parallel for schedule(static)

@@ -50,7 +50,7 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_de
         PC_TRY(pc_check_interrupt(ctx));
         PC_TRY(pc_samples_make(&samples, ctx, spline, target, &sampling));
         PC_TRY(pc_energy_assemble(&system, &right, ctx, spline, samples.sample, samples.count,
-                                  options->fairness));
+                                  options->fairness, samples.stiffness));
         stats->rms = rms_of(spline, &samples);
         stats->samples = samples.count;
         stats->refused = samples.refused;

@@ -115,7 +115,7 @@ static void sample_element(gathering *g, pc_index e, pc_sample *to) {
     }
 }
 
-static pc_status sample_faces(gathering *g, pc_context *ctx) {
+static pc_status sample_faces(gathering *g, pc_samples *samples, pc_context *ctx) {
     pc_status status = PC_OK;
     size_t *start = NULL, vertices = g->target->mesh->vertex_count;
     pc_index elements = g->spline->basis.element_count;
@@ -125,9 +125,16 @@ static pc_status sample_faces(gathering *g, pc_context *ctx) {
         start[e + 1] = start[e] + (size_t)(grid_of(g, e) * grid_of(g, e));
     g->count = start[elements];
     PC_TRY(pc_resize(&g->raw, ctx, g->count));
+    PC_TRY(pc_new(&samples->stiffness, ctx, elements));
 #pragma omp parallel for schedule(static)
-    for (pc_index e = 0; e < elements; e++)
+    for (pc_index e = 0; e < elements; e++) {
+        size_t lost = 0;
         sample_element(g, e, g->raw + start[e]);
+        for (size_t i = start[e]; i < start[e + 1]; i++)
+            lost += g->raw[i].place.element == PC_NONE;
+        samples->stiffness[e] = 1;
+        if (lost) samples->stiffness[e] += 999 * (double)lost / (double)(start[e + 1] - start[e]);
+    }
 done:
     pc_free(ctx, start);
     return status;
@@ -201,7 +208,7 @@ pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline
     PC_TRY(pc_new(&g.raw, ctx, target->mesh->vertex_count));
     sample_vertices(&g);
     PC_TRY(refuse_flipped(&g, samples, ctx));
-    PC_TRY(sample_faces(&g, ctx));
+    PC_TRY(sample_faces(&g, samples, ctx));
     PC_TRY(sort_samples(&g, samples, ctx));
 done:
     pc_facets_free(&g.facets, ctx);
@@ -212,5 +219,6 @@ done:
 
 void pc_samples_free(pc_samples *samples, pc_context *ctx) {
     pc_free(ctx, samples->sample);
+    pc_free(ctx, samples->stiffness);
     *samples = (pc_samples){0};
 }

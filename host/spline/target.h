@@ -24,6 +24,8 @@ void pc_target_free(pc_target *target, pc_context *ctx);
 typedef struct pc_samples {
     size_t count;
     pc_sample *sample; /* sorted by element */
+    double *stiffness; /* per element: 1 where the scan says enough, up to a thousand where none of its own
+                          samples found a partner and only fairing can keep it in shape */
     size_t refused;    /* pairs whose normals point away from each other: another sheet of the surface */
     size_t flipped;    /* triangles of the scan whose parameters ran the wrong way round; their corners are
                           refused as well */

@@ -60,7 +60,7 @@ static void a_spline_is_found_again(void **state) {
         sample[i].target = pc_tspline_point(&spline, sample[i].place);
         sample[i].weight = 1.0 / each;
     }
-    assert_ok(ctx, pc_energy_assemble(&system, &right, ctx, &spline, sample, count, 0));
+    assert_ok(ctx, pc_energy_assemble(&system, &right, ctx, &spline, sample, count, 0, NULL));
     assert_ok(ctx, pc_system_check(&system, ctx));
     assert_ok(ctx, pc_new(&product, ctx, 2 * rows));
     for (size_t k = 0; k < 3; k++) {
