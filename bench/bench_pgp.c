@@ -1,10 +1,12 @@
 /* The outer schemes of PGP beside each other on one scan, from the same field: singular triangles before and
  * after cancelling, energy, irregular vertices of the quads, CPU seconds. One JSON object per scheme and
- * line. bench_pgp SCAN|SHAPE [--edge-factor F] [--device NAME] [--subdivide N] [--ripple A] [--pgp A,B,...]
- * SHAPE: plane, cylinder, torus, sphere, vase, blob3. A scheme is "normalise", "newton", or
- * "normalise:STEPS:FIRST_REACH:LAST_REACH:TOLERANCE". */
+ * line. bench_pgp SCAN|SHAPE [--edge-factor F] [--device NAME] [--subdivide N] [--ripple A] [--curl on|off]
+ * [--cancel PERIODS] [--pgp A,B,...] SHAPE: plane, cylinder, torus, sphere, vase, blob3. A scheme is
+ * "normalise", "newton", or "normalise:STEPS:FIRST_REACH:LAST_REACH:TOLERANCE". */
 #include "adjacency.h"
 #include "clock.h"
+#include "curl.h"
+#include "distortion.h"
 #include "field.h"
 #include "geometry.h"
 #include "memory.h"
@@ -23,8 +25,9 @@
 
 typedef struct bench {
     const char *path, *device_name, *schemes;
-    double edge_factor, ripple;
+    double edge_factor, ripple, cancel_reach;
     int subdivide;
+    bool curl;
     bool verbose;
     pc_context *ctx;
     pc_device *device;
@@ -32,6 +35,7 @@ typedef struct bench {
     pc_refined refined;
     pc_adjacency adjacency;
     pc_field field;
+    double *scale; /* by curl correction, or NULL */
     double period;
 } bench;
 
@@ -84,6 +88,12 @@ static pc_status prepare(bench *b) {
     field_options.feature_length = fmax(4 * mean, 0.75 * b->period); /* as the program's field stage */
     PC_TRY(pc_field_make(&b->field, b->ctx, b->device, &b->refined.mesh, &b->adjacency, &curvature,
                          &field_options));
+    if (b->curl) {
+        const pc_curl_options curl_options = PC_CURL_DEFAULTS;
+        PC_TRY(pc_new(&b->scale, b->ctx, b->refined.mesh.vertex_count));
+        PC_TRY(pc_curl_correct(b->scale, b->ctx, b->device, &b->refined.mesh, &b->adjacency, &b->field,
+                               &curl_options));
+    }
 done:
     pc_adjacency_free(&coarse, b->ctx);
     pc_curvature_free(&curvature, b->ctx);
@@ -107,25 +117,29 @@ static pc_status run_scheme(bench *b, const char *text) {
     pc_layout_stats laid;
     pc_remesh_quads_stats made;
     pc_quality q;
+    pc_distortion d;
     read_scheme(&options.pgp, text);
     options.period_length = b->period;
+    options.cancel_reach = b->cancel_reach;
     double cpu = pc_clock_cpu();
-    PC_TRY(pc_param_make(&param, &stats, b->ctx, b->device, &b->refined.mesh, &b->adjacency, &b->field, NULL,
-                         &options));
+    PC_TRY(pc_param_make(&param, &stats, b->ctx, b->device, &b->refined.mesh, &b->adjacency, &b->field,
+                         b->scale, &options));
     cpu = pc_clock_cpu() - cpu;
     PC_TRY(pc_layout_make(&layout, &laid, b->ctx, &b->refined.mesh, &param));
     PC_TRY(pc_remesh_quads(&quads, NULL, &made, b->ctx, &layout, PC_NGONS_SPLIT, &b->refined.mesh,
                            &b->adjacency));
     const pc_quality_input input = {.scan = &b->refined.mesh, .quads = &quads, .field = &b->field};
     PC_TRY(pc_quality_measure(&q, b->ctx, &input));
+    PC_TRY(pc_distortion_measure(&d, b->ctx, &b->refined.mesh, &param));
     printf("{\"scan\": \"%s\", \"triangles\": %u, \"scheme\": \"%.*s\", \"steps\": %u, \"iterations\": %u, "
            "\"energy\": %.6g, \"raw_dislocations\": %u, \"raw_flipped\": %u, \"cones\": %u, "
            "\"dislocations\": %u, \"flipped\": %u, \"quads\": %u, \"irregular\": %u, "
+           "\"stretch\": %.4f, \"stretch_core\": %.4f, \"shear\": %.4f, \"singular_percent\": %.3f, "
            "\"pgp_cpu_seconds\": %.2f, \"param_cpu_seconds\": %.2f}\n",
            b->path, b->scan.face_count, (int)strcspn(text, ","), text, stats.steps, stats.pgp_iterations,
            stats.energy, stats.raw_dislocations, stats.raw_flipped, stats.field_singularities,
-           stats.dislocations, stats.flipped, quads.face_count, q.irregular_interior, stats.pgp_cpu_seconds,
-           cpu);
+           stats.dislocations, stats.flipped, quads.face_count, q.irregular_interior, d.stretch,
+           d.stretch_core, d.shear, d.singular_percent, stats.pgp_cpu_seconds, cpu);
     (void)fflush(stdout);
 done:
     pc_param_free(&param, b->ctx);
@@ -150,6 +164,10 @@ static bool read_line(bench *b, int argc, char **argv) {
         const char *name = argv[i > 1 && argv[i - 1][0] == '-' ? i - 1 : i];
         if (strcmp(name, "--edge-factor") == 0)
             b->edge_factor = strtod(value, NULL);
+        else if (strcmp(name, "--cancel") == 0)
+            b->cancel_reach = strtod(value, NULL);
+        else if (strcmp(name, "--curl") == 0)
+            b->curl = strcmp(value, "off") != 0;
         else if (strcmp(name, "--device") == 0)
             b->device_name = value;
         else if (strcmp(name, "--subdivide") == 0)
@@ -171,13 +189,15 @@ static void log_line(void *user, pc_log_level level, const char *text) {
     (void)fprintf(stderr, "%s\n", text);
 }
 
+static const pc_param_options defaults = PC_PARAM_DEFAULTS;
+
 int main(int argc, char **argv) {
-    bench b = {.schemes = "normalise,newton"};
+    bench b = {.cancel_reach = defaults.cancel_reach, .schemes = "normalise,newton"};
     if (!read_line(&b, argc, argv)) {
-        (void)fputs(
-            "bench_pgp SCAN|SHAPE [--edge-factor F] [--device NAME] [--subdivide N] [--ripple A] [--pgp "
-            "A,B,...]\n",
-            stderr);
+        (void)fputs("bench_pgp SCAN|SHAPE [--edge-factor F] [--device NAME] [--subdivide N] [--ripple A] "
+                    "[--curl on|off] [--cancel PERIODS] [--pgp "
+                    "A,B,...]\n",
+                    stderr);
         return pc_status_exit_code(PC_E_USAGE);
     }
     b.ctx = pc_context_make();
@@ -189,6 +209,7 @@ int main(int argc, char **argv) {
     pc_refined_free(&b.refined, b.ctx);
     pc_adjacency_free(&b.adjacency, b.ctx);
     pc_field_free(&b.field, b.ctx);
+    pc_free(b.ctx, b.scale);
     pc_device_close(b.device, b.ctx);
     pc_context_free(b.ctx);
     return pc_status_exit_code(status);

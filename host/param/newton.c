@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { GRAIN = 4096, MOST_PRODUCTS = 40 };
+enum { GRAIN = 4096, MOST_PRODUCTS = 40, PATIENCE = 3 };
 static const double INNER_TOLERANCE = 0.1; /* of the preconditioner's solves */
 
 /* ---- F and its derivatives ---- */
@@ -181,6 +181,7 @@ pc_status pc_newton_solve(double *x, pc_newton_stats *stats, pc_context *ctx, pc
     const size_t n = 4 * (size_t)system->row_count;
     newton s = {.ctx = ctx, .system = system, .strength = strength, .stats = stats, .x = x};
     double first = 0, before = 0;
+    int idle = 0; /* steps in a row that gained next to nothing */
     *stats = (pc_newton_stats){0};
     if (n == 0) return PC_OK;
     PC_TRY(make_vectors(&s));
@@ -190,7 +191,8 @@ pc_status pc_newton_solve(double *x, pc_newton_stats *stats, pc_context *ctx, pc
         stats->gradient = sqrt(pc_hostvec_dot(s.gradient, s.gradient, n) / (double)n);
         if (step == 0) first = stats->gradient;
         if (stats->gradient <= options->tolerance || step == options->most_steps) break;
-        if (step && before - stats->value < options->least_gain * before) break;
+        idle = step && before - stats->value < options->least_gain * before ? idle + 1 : 0;
+        if (idle == PATIENCE) break;
         before = stats->value;
         PC_TRY(find_direction(&s, fmin(0.3, sqrt(stats->gradient / first))));
         PC_TRY(step_along(&s));

@@ -9,7 +9,7 @@
 typedef struct pc_newton_options {
     double penalty;    /* 1e-3 in the thesis; see pc_pgp_solve for what it is multiplied by */
     double tolerance;  /* root of the mean square of the gradient's entries; or */
-    double least_gain; /* a step that lowers F by less than this part of it is the last: what follows is
+    double least_gain; /* where three steps in a row lower F by less than this part of it, the rest is
                           dislocations that drift */
     int most_steps;
 } pc_newton_options;
