@@ -1,6 +1,7 @@
 #include "remesh.h"
 #include "collapse.h"
 #include "memory.h"
+#include "room.h"
 #include "sizing.h"
 #include "vec3.h"
 
@@ -102,10 +103,30 @@ static void limit_scale(remeshing *r, double period) {
     }
 }
 
+static double largest(const double *scale, pc_index count) {
+    double most = 0;
+    for (pc_index v = 0; v < count; v++)
+        most = fmax(most, scale[v]);
+    return most;
+}
+
+static double mean_square(const double *scale, const pc_mesh *mesh) {
+    double sum = 0, area = 0;
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        const pc_index *t = mesh->triangle + 3 * (size_t)f;
+        pc_vec3 p = pc_vec3_at(mesh->position, t[0]), a = pc_sub(pc_vec3_at(mesh->position, t[1]), p);
+        double size = pc_norm(pc_cross(a, pc_sub(pc_vec3_at(mesh->position, t[2]), p)));
+        double mean = (scale[t[0]] + scale[t[1]] + scale[t[2]]) / 3;
+        sum += size * mean * mean, area += size;
+    }
+    return area > 0 ? sum / area : 1;
+}
+
 static pc_status search(remeshing *r) {
     pc_status status = PC_OK;
-    double period = r->options->period_length, wanted = r->options->quads, best_miss = INFINITY,
-           best_period = period;
+    double period = r->options->period_length, wanted = r->options->quads, best_miss = INFINITY;
+    if (wanted > 0) period *= sqrt(mean_square(r->scale, r->mesh)); /* finer cells count for more */
+    double best_period = period;
     int tries_for_count = 0;
     for (r->stats->tries = 1;; r->stats->tries++) {
         double count;
@@ -149,9 +170,13 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
     PC_TRY(pc_new(&r.scale, ctx, mesh->vertex_count));
     for (pc_index v = 0; v < mesh->vertex_count; v++)
         r.scale[v] = curl ? curl[v] : 1;
+    pc_room_options room = PC_ROOM_DEFAULTS;
+    room.period_length = options->period_length;
+    PC_TRY(pc_room_make(r.scale, ctx, device, mesh, adjacency, field, &room));
+    pc_log(ctx, PC_LOG_DEBUG, "singularities want cells up to %.2f times as fine, %.2f on the mean",
+           largest(r.scale, mesh->vertex_count), sqrt(mean_square(r.scale, mesh)));
     PC_TRY(search(&r));
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        stats->finest_scale = fmax(stats->finest_scale, r.scale[v]);
+    stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:
     *scale = r.scale;
     if (status != PC_OK) {
