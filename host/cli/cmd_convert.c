@@ -56,10 +56,9 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
                   "of the direction field: 0 follows the curvature, near 1 forgets it (default 0.8)"),
         PC_CHOICE("align-borders", &line->borders, "off|auto|all",
                   "run the field along borders: nowhere, where they are smooth (default), everywhere"),
-        PC_CHOICE(
-            "pgp", &line->pgp, "normalise|newton",
-            "what keeps the parameterization's unknowns of length 1: normalise-and-solve steps (default), or "
-            "the paper's penalty and Newton's method, slower"),
+        PC_CHOICE("pgp", &line->pgp, "normalise|newton",
+                  "solver of the parameterization: normalise-and-solve steps (default), or the "
+                  "thesis's penalty and Newton's method, slower"),
         PC_COUNT("parts", &line->parts, "K", 1, 1e6,
                  "pieces to cut the mesh into (default 1); changes no result"),
         PC_COUNT("threads", &line->threads, "T", 1, 4096, "CPU threads (default: all); changes no result"),
