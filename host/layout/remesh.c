@@ -57,7 +57,9 @@ typedef struct remeshing {
 
 static pc_status attempt(remeshing *r, double period) {
     pc_param_options options = PC_PARAM_DEFAULTS;
-    options.period_length = period, options.seed = r->options->seed;
+    options.period_length = period;
+    options.pgp.seed = r->options->seed;
+    options.pgp.scheme = r->options->scheme;
     pc_layout_free(r->layout, r->ctx);
     pc_param_free(r->param, r->ctx);
     pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
