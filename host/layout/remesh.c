@@ -8,32 +8,40 @@
 enum { MOST_COLLAPSES = 5, MOST_TRIES = 9, MOST_TRIES_FOR_COUNT = 5 };
 static const double CLOSE_ENOUGH = 0.02; /* the promise is 5 % */
 
-pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
-                          const pc_layout *layout, pc_ngons ngons, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency) {
+/* In rounds: relaxed as a whole, the last upside down ones set up one by one, and those that stay so drawn
+ * together. */
+static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats,
+                             pc_context *ctx, pc_ngons ngons, const pc_ground *ground) {
     pc_status status = PC_OK;
-    const pc_relax_options options = PC_RELAX_DEFAULTS;
-    uint8_t *upside_down = NULL;
-    pc_index bad_before = 0;
-    *stats = (pc_remesh_quads_stats){0};
-    if (folded) *folded = NULL;
-    PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
-    if (ngons == PC_NGONS_SPLIT) PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
+    pc_relax_options options = PC_RELAX_DEFAULTS;
+    const pc_upright_options upright = PC_UPRIGHT_DEFAULTS;
     for (int round = 0;; round++) {
         pc_index collapsed, doublets;
-        PC_TRY(pc_new(&upside_down, ctx, quads->face_count));
-        PC_TRY(pc_relax(quads, &stats->relaxed, upside_down, ctx, mesh, adjacency, &options));
-        if (round == 0) bad_before = stats->relaxed.bad_before;
-        stats->relaxed.bad_before = bad_before;
-        if (ngons == PC_NGONS_KEEP || round == MOST_COLLAPSES) break;
-        PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, upside_down));
+        pc_free(ctx, *folded);
+        *folded = NULL;
+        PC_TRY(pc_new(folded, ctx, quads->face_count));
+        if (round == 0) PC_TRY(pc_relax(quads, &stats->relaxed, *folded, ctx, ground, &options));
+        PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
+        if (stats->folded == 0 || ngons == PC_NGONS_KEEP || round == MOST_COLLAPSES) break;
+        PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, *folded));
         if (collapsed == 0) break;
         stats->collapsed += collapsed;
         PC_TRY(pc_doublets_remove(quads, &doublets, ctx));
         stats->doublets += doublets;
-        pc_free(ctx, upside_down);
-        upside_down = NULL;
     }
+done:
+    return status;
+}
+
+pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
+                          const pc_layout *layout, pc_ngons ngons, const pc_ground *ground) {
+    pc_status status = PC_OK;
+    uint8_t *upside_down = NULL;
+    *stats = (pc_remesh_quads_stats){0};
+    if (folded) *folded = NULL;
+    PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
+    if (ngons == PC_NGONS_SPLIT) PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
+    PC_TRY(set_upright(quads, &upside_down, stats, ctx, ngons, ground));
     if (folded) *folded = upside_down, upside_down = NULL;
 done:
     pc_free(ctx, upside_down);
@@ -52,6 +60,7 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
+    pc_ground ground;
 } remeshing;
 
 static pc_status attempt(remeshing *r, double period) {
@@ -76,8 +85,7 @@ static pc_status look(remeshing *r, double *count, double period, bool refine) {
     *count = (double)pc_quads_count(r->layout, r->options->ngons);
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
-    PC_TRY(
-        pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, r->mesh, r->adjacency));
+    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, &r->ground));
     *count = quads.face_count;
     if (!refine) goto done;
     sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? period / 2 : period;
@@ -140,17 +148,19 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
                          const pc_adjacency *adjacency, const pc_field *field, const double *curl,
                          const pc_remesh_options *options) {
     pc_status status = PC_OK;
-    remeshing r = {param, layout, NULL, stats, ctx, device, mesh, adjacency, field, options};
+    remeshing r = {param, layout, NULL, stats, ctx, device, mesh, adjacency, field, options, {0}};
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
     PC_TRY(pc_new(&r.scale, ctx, mesh->vertex_count));
     for (pc_index v = 0; v < mesh->vertex_count; v++)
         r.scale[v] = curl ? curl[v] : 1;
+    PC_TRY(pc_ground_make(&r.ground, ctx, mesh, adjacency));
     PC_TRY(search(&r));
     for (pc_index v = 0; v < mesh->vertex_count; v++)
         stats->finest_scale = fmax(stats->finest_scale, r.scale[v]);
 done:
+    pc_ground_free(&r.ground, ctx);
     *scale = r.scale;
     if (status != PC_OK) {
         pc_free(ctx, r.scale);
