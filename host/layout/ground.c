@@ -29,7 +29,7 @@ done:
 pc_status pc_ground_make(pc_ground *ground, pc_context *ctx, const pc_mesh *scan,
                          const pc_adjacency *adjacency) {
     pc_status status = PC_OK;
-    *ground = (pc_ground){.scan = scan};
+    *ground = (pc_ground){.scan = scan, .adjacency = adjacency};
     PC_TRY(pc_bvh_make(&ground->tree, ctx, scan));
     PC_TRY(pc_new(&ground->normal, ctx, 3 * (size_t)scan->vertex_count));
     pc_geometry_vertex_normals(ground->normal, scan, adjacency, PC_NORMAL_AREA);
@@ -57,12 +57,24 @@ pc_vec3 pc_ground_normal(const pc_ground *ground, const pc_bvh_hit *hit) {
     return normal;
 }
 
-pc_vec3 pc_ground_flat_normal(const pc_ground *ground, const pc_bvh_hit *hit) {
-    if (hit->face == PC_NONE) return (pc_vec3){0, 0, 0};
-    const pc_index *t = ground->scan->triangle + 3 * (size_t)hit->face;
+static double face_cosine(const pc_ground *ground, pc_index face, pc_vec3 direction) {
+    const pc_index *t = ground->scan->triangle + 3 * (size_t)face;
     pc_vec3 a = pc_vec3_at(ground->scan->position, t[0]);
-    return pc_unit(pc_cross(pc_sub(pc_vec3_at(ground->scan->position, t[1]), a),
-                            pc_sub(pc_vec3_at(ground->scan->position, t[2]), a)));
+    pc_vec3 normal = pc_cross(pc_sub(pc_vec3_at(ground->scan->position, t[1]), a),
+                              pc_sub(pc_vec3_at(ground->scan->position, t[2]), a));
+    double length = pc_norm(normal);
+    return length > 0 ? pc_dot(normal, direction) / length : 1;
+}
+
+double pc_ground_flat_cosine(const pc_ground *ground, const pc_bvh_hit *hit, pc_vec3 direction) {
+    if (hit->face == PC_NONE) return 0;
+    double least = face_cosine(ground, hit->face, direction);
+    for (pc_index k = 0; k < 3; k++) { /* half-edge k is opposite to the third corner from its tail */
+        pc_index twin = ground->adjacency->twin[3 * hit->face + k];
+        if (hit->weight[(k + 2) % 3] < 1e-9 && twin != PC_NONE)
+            least = fmin(least, face_cosine(ground, twin / 3, direction));
+    }
+    return least;
 }
 
 pc_rim_place pc_ground_rim_closest(const pc_ground *ground, pc_vec3 point) {

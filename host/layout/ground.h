@@ -7,7 +7,8 @@
 #include "bvh.h"
 
 typedef struct pc_ground {
-    const pc_mesh *scan; /* borrowed, as the tree borrows it */
+    const pc_mesh *scan;           /* borrowed, as the tree borrows it */
+    const pc_adjacency *adjacency; /* borrowed */
     pc_bvh tree;
     double *normal; /* 3 per scan vertex: area-weighted, unit length */
     pc_mesh rim; /* the border edges: "triangle" i runs from vertex i to its next and again to the next; so a
@@ -23,8 +24,9 @@ void pc_ground_free(pc_ground *ground, pc_context *ctx);
 
 /* The smooth normal at a closest point, not of unit length; 0 for a miss. */
 pc_vec3 pc_ground_normal(const pc_ground *ground, const pc_bvh_hit *hit);
-/* The normal of the flat face there; 0 for a miss or a face without area. */
-pc_vec3 pc_ground_flat_normal(const pc_ground *ground, const pc_bvh_hit *hit);
+/* The least cosine between `direction` (unit length) and the normals of the flat faces there: two, where the
+ * point lies on an edge. 0 for a miss; faces without area do not count. */
+double pc_ground_flat_cosine(const pc_ground *ground, const pc_bvh_hit *hit, pc_vec3 direction);
 
 /* A place on the border: on an edge, `along` of it behind its start. */
 typedef struct pc_rim_place {

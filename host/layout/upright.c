@@ -4,7 +4,7 @@
 
 enum { TURNS = 8, REACHES = 3, MOST_FACES = 24, OFF_SCAN_FROM = 3 };
 static const double REACH[REACHES] = {0.08, 0.25, 0.6}; /* steps, in mean edge lengths around the vertex */
-static const double LEAST_COSINE = 0.1, LEAST_FLAT = 0.05, LEAST_AREA = 0.02, LEAST_SINE = 0.1;
+static const double LEAST_COSINE = 0.1, LEAST_AREA = 0.02, LEAST_SINE = 0.1;
 static const double WORTH = 1e-6; /* a smaller gain is none */
 
 typedef struct uprighting {
@@ -40,7 +40,8 @@ static pc_stance judge(const pc_ground *ground, const pc_polymesh *q, pc_index f
     pc_bvh_hit hit = pc_bvh_closest(&ground->tree, centre_of(q, f), hint);
     pc_stance s = {.sine = 1};
     double around = 0;
-    up = pc_unit(pc_add(up, pc_unit(pc_ground_normal(ground, &hit))));
+    pc_vec3 corners = pc_unit(up), middle = pc_unit(pc_ground_normal(ground, &hit));
+    up = pc_unit(pc_add(up, middle));
     for (pc_index k = 0; k < n; k++) {
         pc_vec3 p = pc_vec3_at(q->position, q->corner[from + k]);
         pc_vec3 a = pc_sub(pc_vec3_at(q->position, q->corner[from + (k + 1) % n]), p);
@@ -51,9 +52,11 @@ static pc_stance judge(const pc_ground *ground, const pc_polymesh *q, pc_index f
         if (q->corner_flat && q->corner_flat[from + k]) continue;
         s.sine = fmin(s.sine, lengths > 0 ? pc_dot(pc_cross(a, b), up) / lengths : 0);
     }
-    s.smooth = pc_dot(pc_unit(area), up);
-    s.flat = pc_dot(pc_unit(area), pc_ground_flat_normal(ground, &hit));
     s.area = around > 0 ? pc_norm(area) * 16 / (around * around) : 0;
+    area = pc_unit(area);
+    s.smooth = pc_dot(area, up);
+    s.corners = pc_dot(area, corners);
+    s.centre = fmin(pc_dot(area, middle), pc_ground_flat_cosine(ground, &hit, area));
     return s;
 }
 
@@ -68,7 +71,7 @@ pc_stance pc_upright_judge(const pc_ground *ground, const pc_polymesh *quads, pc
 }
 
 bool pc_upright_is_folded(const pc_stance *stance) {
-    return !(stance->smooth > 0.01 && stance->flat > 0 && stance->area > 1e-3);
+    return !(stance->smooth > 0.01 && stance->corners > 0.01 && stance->centre > 0.01 && stance->area > 1e-3);
 }
 
 static double lack(double value, double least) {
@@ -77,7 +80,8 @@ static double lack(double value, double least) {
 
 static double penalty_of(const pc_stance *s) {
     return (pc_upright_is_folded(s) ? 4 : 0) + 4 * lack(s->smooth, LEAST_COSINE) +
-           2 * lack(s->flat, LEAST_FLAT) + 100 * lack(s->area, LEAST_AREA) + lack(s->sine, LEAST_SINE);
+           2 * lack(s->corners, LEAST_COSINE) + 2 * lack(s->centre, LEAST_COSINE) +
+           100 * lack(s->area, LEAST_AREA) + lack(s->sine, LEAST_SINE);
 }
 
 static pc_stance judge_face(uprighting *u, pc_index f) {

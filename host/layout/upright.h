@@ -17,11 +17,13 @@ typedef struct pc_upright_options {
 /* What a face is judged by. The normals are the scan's at the closest points, whatever sheet they are on:
  * that is what anybody can check afterwards. */
 typedef struct pc_stance {
-    double smooth; /* cosine between the normal of the face and the sum of the scan's smooth normals at its
-                      corners and centre */
-    double flat;   /* ... and the normal of the scan's triangle nearest to its centre */
-    double area;   /* over the square of its mean side */
-    double sine;   /* the smallest of the corners that are not flat, about the sum of those normals */
+    double smooth;  /* cosine between the normal of the face and the sum of the scan's smooth normals at its
+                       corners and centre */
+    double corners; /* ... at its corners alone */
+    double
+        centre; /* ... at its centre alone; or the normals of the scan's triangles there, whichever is less */
+    double area; /* over the square of its mean side */
+    double sine; /* the smallest of the corners that are not flat, about the sum of those normals */
 } pc_stance;
 
 /* Judges a face from its positions alone. */
