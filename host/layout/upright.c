@@ -18,6 +18,7 @@ typedef struct uprighting {
     uint8_t *border;         /* 1: on a border, 2: the place is known */
     double *penalty;         /* per face, negative: not judged yet */
     uint8_t *folded;         /* per face */
+    uint8_t *bent;           /* per face: folded, or a corner turns the wrong way */
     uint8_t *ring;           /* per vertex: 0, or 1 + how far from a folded face */
 } uprighting;
 
@@ -97,6 +98,7 @@ static double penalty(uprighting *u, pc_index f) {
         pc_stance s = judge_face(u, f);
         u->penalty[f] = penalty_of(&s);
         u->folded[f] = pc_upright_is_folded(&s);
+        u->bent[f] = u->folded[f] || s.sine <= 0;
     }
     return u->penalty[f];
 }
@@ -189,7 +191,7 @@ static pc_vec3 survey(const uprighting *u, pc_index v, double *length) {
     return count ? pc_scale(1.0 / count, sum) : p;
 }
 
-static void search_around(uprighting *u, trial *t, pc_vec3 mean, int round, double reach) {
+static void search_around(uprighting *u, trial *t, pc_vec3 mean, double reach) {
     pc_vec3 n = u->normal[t->vertex], axis = {0, 0, 0};
     try_on_scan(u, t, mean);
     try_on_scan(u, t, pc_scale(0.5, pc_add(t->home, mean)));
@@ -205,14 +207,14 @@ static void search_around(uprighting *u, trial *t, pc_vec3 mean, int round, doub
             double turn = 2 * PC_PI * (k + 0.5 * (i % 2)) / TURNS, far = REACH[i] * t->length;
             try_on_scan(u, t, pc_madd(pc_madd(t->home, far * cos(turn), a), far * sin(turn), b));
         }
-    if (round < OFF_SCAN_FROM) return;
+    if (reach == 0) return;
     try_off_scan(u, t, mean, reach);
     for (int i = -2; i <= 2; i++)
         if (i) try_off_scan(u, t, pc_madd(t->home, 0.4 * i * reach * t->length, n), reach);
 }
 
 /* True where the vertex has found a better place. */
-static bool improve(uprighting *u, pc_index v, int round, double reach) {
+static bool improve(uprighting *u, pc_index v, double reach) {
     trial t = {.vertex = v, .home = position(u, v)};
     pc_vec3 mean = survey(u, v, &t.length);
     if (u->start[v + 1] - u->start[v] > MOST_FACES) return false;
@@ -222,7 +224,7 @@ static bool improve(uprighting *u, pc_index v, int round, double reach) {
     if (u->border[v])
         search_rim(u, &t);
     else
-        search_around(u, &t, mean, round, reach);
+        search_around(u, &t, mean, reach);
     if (!t.better) return false;
     pc_vec3_put(u->quads->position, v, t.best);
     u->normal[v] = t.best_normal, u->hint[v] = t.best_hint;
@@ -232,14 +234,14 @@ static bool improve(uprighting *u, pc_index v, int round, double reach) {
     return true;
 }
 
-/* Rings 1 to `rings` around the folded faces; returns how many are folded. */
-static pc_index mark(uprighting *u, int rings) {
+/* Rings 1 to `rings` around the faces that are `wanted`; returns how many those are. */
+static pc_index mark(uprighting *u, const uint8_t *wanted, int rings) {
     const pc_polymesh *q = u->quads;
     pc_index count = 0;
     memset(u->ring, 0, q->vertex_count);
     for (pc_index f = 0; f < q->face_count; f++) {
         (void)penalty(u, f);
-        if (!u->folded[f]) continue;
+        if (!wanted[f]) continue;
         count++;
         for (pc_index c = q->start[f]; c < q->start[f + 1]; c++)
             u->ring[q->corner[c]] = 1;
@@ -253,6 +255,23 @@ static pc_index mark(uprighting *u, int rings) {
                     break;
                 }
     return count;
+}
+
+/* Rounds until no face is wanted any more, or nothing moves. */
+static pc_status sweep(uprighting *u, pc_index *left, pc_context *ctx, const uint8_t *wanted, int rounds,
+                       double reach) {
+    pc_status status = PC_OK;
+    for (int round = 0;; round++) {
+        bool moved = false;
+        *left = mark(u, wanted, 1 + round / 2);
+        if (*left == 0 || round == rounds) break;
+        for (pc_index v = 0; v < u->quads->vertex_count; v++)
+            if (u->ring[v]) moved = improve(u, v, reach > 0 && round >= OFF_SCAN_FROM ? reach : 0) || moved;
+        if (!moved && round >= OFF_SCAN_FROM) break;
+        PC_TRY(pc_check_interrupt(ctx));
+    }
+done:
+    return status;
 }
 
 static pc_status find_neighbours(uprighting *u, pc_context *ctx) {
@@ -307,6 +326,7 @@ static pc_status allocate(uprighting *u, pc_context *ctx) {
     PC_TRY(pc_new(&u->place, ctx, vertices));
     PC_TRY(pc_new(&u->ring, ctx, vertices));
     PC_TRY(pc_new(&u->penalty, ctx, u->quads->face_count));
+    PC_TRY(pc_new(&u->bent, ctx, u->quads->face_count));
     memset(u->hint, 0xff, sizeof(pc_index) * vertices);
     PC_TRY(find_neighbours(u, ctx));
     find_borders(u);
@@ -331,20 +351,14 @@ pc_status pc_upright_make(pc_polymesh *quads, uint8_t *folded, pc_index *left, p
     uprighting u = {.quads = quads, .ground = ground, .folded = folded};
     *left = 0;
     PC_TRY(allocate(&u, ctx));
-    for (int round = 0;; round++) {
-        bool moved = false;
-        *left = mark(&u, 1 + round / 2);
-        if (*left == 0 || round == options->rounds) break;
-        for (pc_index v = 0; v < quads->vertex_count; v++)
-            if (u.ring[v]) moved = improve(&u, v, round, options->reach) || moved;
-        if (!moved && round >= OFF_SCAN_FROM) break;
-        PC_TRY(pc_check_interrupt(ctx));
-    }
+    PC_TRY(sweep(&u, left, ctx, u.bent, options->bent_rounds, 0));
+    PC_TRY(sweep(&u, left, ctx, u.folded, options->rounds, options->reach));
 done:
     pc_free(ctx, u.start), pc_free(ctx, u.face);
     pc_free(ctx, u.next), pc_free(ctx, u.before);
     pc_free(ctx, u.normal), pc_free(ctx, u.hint);
     pc_free(ctx, u.place), pc_free(ctx, u.border);
     pc_free(ctx, u.penalty), pc_free(ctx, u.ring);
+    pc_free(ctx, u.bent);
     return status;
 }

@@ -7,12 +7,13 @@
 #include "polymesh.h"
 
 typedef struct pc_upright_options {
+    int bent_rounds; /* before: for faces with a corner that turns the wrong way */
     int rounds;   /* over the vertices of such faces, and from round to round of those farther around them */
     double reach; /* how far off the scan a vertex may end, in mean edge lengths around it; only where no
                      place on the scan does */
 } pc_upright_options;
 #define PC_UPRIGHT_DEFAULTS                                                                                  \
-    { 10, 0.3 }
+    { 4, 10, 0.3 }
 
 /* What a face is judged by. The normals are the scan's at the closest points, whatever sheet they are on:
  * that is what anybody can check afterwards. */
