@@ -3,10 +3,14 @@
 #include "memory.h"
 #include "sizing.h"
 #include "vec3.h"
+#include <string.h>
 
-/* The count follows the density but for a noise of a few cells; more tries than these gain nothing. */
-enum { MOST_COLLAPSES = 5, MOST_TRIES = 9, MOST_TRIES_FOR_COUNT = 5 };
-static const double CLOSE_ENOUGH = 0.02; /* the promise is 5 % */
+enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 4 };
+/* Of the count: a miss that ends the search at once, and one that ends it where more tries have not helped;
+ * the promise is 5 %. */
+static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
+static const double FEW = 1e-3; /* of the scan's vertices: so few alone are not worth another round */
+static const double FAR = 1.5;  /* edge lengths off the quads: worth one even for a single vertex */
 
 /* In rounds: relaxed as a whole, the last upside down ones set up one by one, and those that stay so drawn
  * together. */
@@ -60,46 +64,20 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
+    const double *curl; /* may be NULL */
     pc_ground ground;
+    double period; /* that the scale belongs to */
 } remeshing;
 
-static pc_status attempt(remeshing *r, double period) {
-    pc_param_options options = PC_PARAM_DEFAULTS;
-    options.period_length = period, options.seed = r->options->seed;
-    pc_layout_free(r->layout, r->ctx);
-    pc_param_free(r->param, r->ctx);
-    pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
-                                     r->field, r->scale, &options);
-    if (status == PC_OK) status = pc_layout_make(r->layout, &r->stats->layout, r->ctx, r->mesh, r->param);
-    return status;
-}
-
-/* Looks at the quads of the present layout; returns their number, and raises the scale where they fail. */
-static pc_status look(remeshing *r, double *count, double period, bool refine) {
-    pc_status status = PC_OK;
-    pc_polymesh quads = {0};
-    uint8_t *folded = NULL;
-    pc_remesh_quads_stats made;
-    pc_sizing_options sizing = PC_SIZING_DEFAULTS;
-    r->stats->wanting = 0;
-    *count = (double)pc_quads_count(r->layout, r->options->ngons);
-    if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
-    /* Not pc_quads_count: doublets and collapsed quads do not count. */
-    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, &r->ground));
-    *count = quads.face_count;
-    if (!refine) goto done;
-    sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? period / 2 : period;
-    sizing.period_length = period;
-    PC_TRY(pc_sizing_update(r->scale, &r->stats->wanting, r->ctx, r->mesh, r->adjacency, &quads, folded,
-                            &sizing));
-done:
-    pc_polymesh_free(&quads, r->ctx);
-    pc_free(r->ctx, folded);
-    return status;
-}
-
-/* A smaller period than the mesh was refined for must not meet an edge of half of it. */
-static void limit_scale(remeshing *r, double period) {
+/* Another period, while places that have been refined keep the size of their cells. */
+static void set_period(remeshing *r, double period) {
+    const double change = period / r->period;
+    for (pc_index v = 0; v < r->mesh->vertex_count; v++) {
+        double base = r->curl ? r->curl[v] : 1, finer = r->scale[v] / base;
+        if (finer > 1) r->scale[v] = base * fmax(1, finer * pow(change, fmin(1, 2 * (finer - 1))));
+    }
+    r->period = period;
+    /* It must not meet an edge of half of it. */
     for (pc_index e = 0; e < r->adjacency->edge_count; e++) {
         pc_index h = r->adjacency->edge_half[e], a = pc_tail(r->mesh, h), b = pc_head(r->mesh, h);
         double most =
@@ -108,38 +86,129 @@ static void limit_scale(remeshing *r, double period) {
     }
 }
 
-static pc_status search(remeshing *r) {
+static pc_status attempt(remeshing *r, double period) {
+    pc_param_options options = PC_PARAM_DEFAULTS;
+    options.period_length = period, options.seed = r->options->seed;
+    set_period(r, period);
+    r->stats->tries++;
+    pc_layout_free(r->layout, r->ctx);
+    pc_param_free(r->param, r->ctx);
+    pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
+                                     r->field, r->scale, &options);
+    if (status == PC_OK) status = pc_layout_make(r->layout, &r->stats->layout, r->ctx, r->mesh, r->param);
+    return status;
+}
+
+/* What a look at the quads of the present layout finds. */
+typedef struct outcome {
+    double count;
+    bool wanting; /* the scale has been raised, and it is worth another try */
+} outcome;
+
+static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, pc_index folded, double edge) {
+    if (sizes->wanting == 0) return false;
+    return r->stats->refinements == 0 || folded || sizes->wanting > FEW * r->mesh->vertex_count ||
+           sizes->worst > FAR * edge;
+}
+
+/* Looks at the quads of the present layout, and raises the scale where they fail. */
+static pc_status look(remeshing *r, outcome *found, bool refine) {
     pc_status status = PC_OK;
-    double period = r->options->period_length, wanted = r->options->quads, best_miss = INFINITY,
-           best_period = period;
-    int tries_for_count = 0;
-    for (r->stats->tries = 1;; r->stats->tries++) {
-        double count;
+    pc_polymesh quads = {0};
+    uint8_t *folded = NULL;
+    pc_remesh_quads_stats made;
+    pc_sizing_options sizing = PC_SIZING_DEFAULTS;
+    pc_sizing_stats sizes;
+    *found = (outcome){(double)pc_quads_count(r->layout, r->options->ngons), false};
+    if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
+    /* Not pc_quads_count: doublets and collapsed quads do not count. */
+    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, &r->ground));
+    found->count = quads.face_count;
+    if (!refine) goto done;
+    sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? r->period / 2 : r->period;
+    sizing.period_length = r->period;
+    PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, r->mesh, r->adjacency, &quads, folded, &sizing));
+    r->stats->wanting = sizes.wanting;
+    found->wanting = is_worth_another(r, &sizes, made.folded, sizing.edge_length);
+done:
+    pc_polymesh_free(&quads, r->ctx);
+    pc_free(r->ctx, folded);
+    return status;
+}
+
+/* What is known of how the count follows the period: the nearest tries with too few and with too many. */
+typedef struct bracket {
+    double few_period, few;   /* 0: none yet */
+    double many_period, many; /* 0: none yet */
+} bracket;
+
+/* The period to try next: between the two by their logarithms, as if count * period^2 were constant where one
+ * is missing. */
+static double guess(bracket *b, double period, double count, double wanted) {
+    if (count < wanted)
+        b->few_period = period, b->few = count;
+    else
+        b->many_period = period, b->many = count;
+    if (b->few == 0 || b->many == 0) return period * sqrt(count / wanted);
+    double at = log(wanted / b->many) / log(b->few / b->many);
+    return b->many_period * pow(b->few_period / b->many_period, fmin(fmax(at, 0.15), 0.85));
+}
+
+/* Sizes first: while places want finer cells, and rounds are left. */
+static pc_status settle_sizes(remeshing *r, outcome *found) {
+    pc_status status = PC_OK;
+    const double wanted = r->options->quads;
+    double period = r->period;
+    for (;;) {
         bool refine = r->stats->refinements < r->options->refinements;
-        limit_scale(r, period);
         PC_TRY(attempt(r, period));
-        PC_TRY(look(r, &count, period, refine));
-        pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, count,
-               r->stats->wanting ? ", finer ones are needed in places" : "");
-        bool again = refine && r->stats->wanting;
-        r->stats->refinements += again;
-        if (again && r->stats->tries < MOST_TRIES) {
-            if (wanted > 0) period *= sqrt(count / wanted);
-            continue;
-        }
-        if (wanted == 0) break;
-        double miss = fabs(count / wanted - 1);
-        if (miss < best_miss) best_miss = miss, best_period = period;
-        if (miss <= CLOSE_ENOUGH) break;
-        if (r->stats->tries >= MOST_TRIES || ++tries_for_count == MOST_TRIES_FOR_COUNT) {
-            if (best_period != period) status = attempt(r, best_period);
-            break;
-        }
-        r->stats->refinements =
-            r->options->refinements; /* sizes are settled: only the density is sought now */
-        period *= sqrt(count / wanted);
+        PC_TRY(look(r, found, refine));
+        pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, found->count,
+               found->wanting ? ", finer ones are needed in places" : "");
+        if (!found->wanting) break;
+        r->stats->refinements++;
+        if (wanted > 0) period *= sqrt(found->count / wanted);
     }
 done:
+    return status;
+}
+
+/* Then only the density, until the count is near enough. */
+static pc_status settle_count(remeshing *r, outcome *found) {
+    pc_status status = PC_OK;
+    const double wanted = r->options->quads;
+    bracket known = {0, 0, 0, 0};
+    double best_miss = INFINITY, best_period = r->period, *best_scale = NULL;
+    const size_t bytes = sizeof(double) * r->mesh->vertex_count;
+    PC_TRY(pc_new(&best_scale, r->ctx, r->mesh->vertex_count));
+    for (int tries = 1;; tries++) {
+        double miss = fabs(found->count / wanted - 1);
+        if (miss < best_miss) {
+            best_miss = miss, best_period = r->period;
+            memcpy(best_scale, r->scale, bytes);
+        }
+        if (miss <= (tries > 2 ? CLOSE_ENOUGH : CLOSE)) break;
+        if (tries == MOST_TRIES_FOR_COUNT) {
+            if (best_miss == miss) break;
+            memcpy(r->scale, best_scale, bytes);
+            r->period = best_period;
+            PC_TRY(attempt(r, best_period));
+            break;
+        }
+        PC_TRY(attempt(r, guess(&known, r->period, found->count, wanted)));
+        PC_TRY(look(r, found, false));
+        pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads", r->period, found->count);
+    }
+done:
+    pc_free(r->ctx, best_scale);
+    return status;
+}
+
+static pc_status search(remeshing *r) {
+    outcome found;
+    r->period = r->options->period_length;
+    pc_status status = settle_sizes(r, &found);
+    if (status == PC_OK && r->options->quads > 0) status = settle_count(r, &found);
     return status;
 }
 
@@ -148,7 +217,7 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
                          const pc_adjacency *adjacency, const pc_field *field, const double *curl,
                          const pc_remesh_options *options) {
     pc_status status = PC_OK;
-    remeshing r = {param, layout, NULL, stats, ctx, device, mesh, adjacency, field, options, {0}};
+    remeshing r = {param, layout, NULL, stats, ctx, device, mesh, adjacency, field, options, curl, {0}, 0};
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
