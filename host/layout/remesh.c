@@ -2,10 +2,11 @@
 #include "collapse.h"
 #include "memory.h"
 #include "sizing.h"
+#include "strips.h"
 #include "vec3.h"
 #include <string.h>
 
-enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 4 };
+enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 4, MOST_STRIPS = 12, MOST_RANKS = 5 };
 /* Of the count: a miss that ends the search at once, and one that ends it where more tries have not helped;
  * the promise is 5 %. */
 static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
@@ -37,8 +38,40 @@ done:
     return status;
 }
 
+/* Strips are doubled or drawn together while that brings the count nearer and folds nothing. */
+static pc_status meet_count(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats,
+                            pc_context *ctx, double wanted, const pc_ground *ground) {
+    pc_status status = PC_OK;
+    pc_polymesh changed = {0};
+    uint8_t *upside_down = NULL;
+    for (int rank = 0; rank < MOST_RANKS && stats->strips < MOST_STRIPS;) {
+        bool made;
+        pc_remesh_quads_stats after = *stats;
+        double miss = fabs(quads->face_count / wanted - 1);
+        if (miss <= CLOSE_ENOUGH) break;
+        PC_TRY(pc_strips_change(&changed, &made, ctx, quads, ground, wanted, CLOSE, rank));
+        if (!made) break;
+        PC_TRY(set_upright(&changed, &upside_down, &after, ctx, PC_NGONS_SPLIT, ground));
+        if (after.folded > stats->folded || fabs(changed.face_count / wanted - 1) >= miss) {
+            pc_polymesh_free(&changed, ctx);
+            rank++;
+            continue;
+        }
+        pc_polymesh_free(quads, ctx);
+        pc_free(ctx, *folded);
+        *quads = changed, changed = (pc_polymesh){0};
+        *folded = upside_down, upside_down = NULL;
+        *stats = after;
+        stats->strips++, rank = 0;
+    }
+done:
+    pc_polymesh_free(&changed, ctx);
+    pc_free(ctx, upside_down);
+    return status;
+}
+
 pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
-                          const pc_layout *layout, pc_ngons ngons, const pc_ground *ground) {
+                          const pc_layout *layout, pc_ngons ngons, double wanted, const pc_ground *ground) {
     pc_status status = PC_OK;
     uint8_t *upside_down = NULL;
     *stats = (pc_remesh_quads_stats){0};
@@ -46,6 +79,8 @@ pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_
     PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
     if (ngons == PC_NGONS_SPLIT) PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
     PC_TRY(set_upright(quads, &upside_down, stats, ctx, ngons, ground));
+    if (ngons == PC_NGONS_SPLIT && wanted > 0)
+        PC_TRY(meet_count(quads, &upside_down, stats, ctx, wanted, ground));
     if (folded) *folded = upside_down, upside_down = NULL;
 done:
     pc_free(ctx, upside_down);
@@ -122,7 +157,7 @@ static pc_status look(remeshing *r, outcome *found, bool refine) {
     *found = (outcome){(double)pc_quads_count(r->layout, r->options->ngons), false};
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
-    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, &r->ground));
+    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, 0, &r->ground));
     found->count = quads.face_count;
     if (!refine) goto done;
     sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? r->period / 2 : r->period;

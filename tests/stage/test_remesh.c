@@ -60,7 +60,8 @@ static void remesh(remeshed *r, shape *s, pc_context *ctx, pc_device *host, doub
     assert_ok(ctx, pc_remesh_make(&r->param, &r->layout, &r->scale, &r->stats, ctx, host, &s->mesh,
                                   &s->adjacency, &s->field, NULL, &options));
     assert_ok(ctx, pc_ground_make(&ground, ctx, &s->mesh, &s->adjacency));
-    assert_ok(ctx, pc_remesh_quads(&r->quads, &r->folded, &made, ctx, &r->layout, ngons, &ground));
+    assert_ok(
+        ctx, pc_remesh_quads(&r->quads, &r->folded, &made, ctx, &r->layout, ngons, any ? 0 : count, &ground));
     pc_ground_free(&ground, ctx);
 }
 
