@@ -1,17 +1,35 @@
 #include "remesh.h"
 #include "collapse.h"
 #include "memory.h"
+#include "room.h"
 #include "sizing.h"
 #include "strips.h"
 #include "vec3.h"
 #include <string.h>
 
-enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 4, MOST_STRIPS = 12, MOST_RANKS = 5 };
+enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 4, MOST_STRIPS = 12, MOST_FAILURES = 6 };
 /* Of the count: a miss that ends the search at once, and one that ends it where more tries have not helped;
  * the promise is 5 %. */
 static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
-static const double FEW = 1e-3; /* of the scan's vertices: so few alone are not worth another round */
-static const double FAR = 1.5;  /* edge lengths off the quads: worth one even for a single vertex */
+static const double FAR_OFF = 0.15; /* strips cannot make up for more */
+static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are not worth another round */
+static const double FAR = 1.5;      /* edge lengths off the quads: worth one even for a single vertex */
+
+/* Flags also the faces that share a vertex with a flagged one. */
+static pc_status flag_around(uint8_t *flag, pc_context *ctx, const pc_polymesh *quads) {
+    pc_status status = PC_OK;
+    uint8_t *near = NULL;
+    PC_TRY(pc_new(&near, ctx, quads->vertex_count));
+    for (pc_index f = 0; f < quads->face_count; f++)
+        for (pc_index c = quads->start[f]; flag[f] && c < quads->start[f + 1]; c++)
+            near[quads->corner[c]] = 1;
+    for (pc_index f = 0; f < quads->face_count; f++)
+        for (pc_index c = quads->start[f]; c < quads->start[f + 1]; c++)
+            flag[f] = flag[f] || near[quads->corner[c]];
+done:
+    pc_free(ctx, near);
+    return status;
+}
 
 /* In rounds: relaxed as a whole, the last upside down ones set up one by one, and those that stay so drawn
  * together. */
@@ -29,6 +47,10 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
         PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
         if (stats->folded == 0 || ngons == PC_NGONS_KEEP || round == MOST_COLLAPSES) break;
         PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, *folded));
+        if (collapsed == 0) { /* one of those around may do */
+            PC_TRY(flag_around(*folded, ctx, quads));
+            PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, *folded));
+        }
         if (collapsed == 0) break;
         stats->collapsed += collapsed;
         PC_TRY(pc_doublets_remove(quads, &doublets, ctx));
@@ -44,7 +66,9 @@ static pc_status meet_count(pc_polymesh *quads, uint8_t **folded, pc_remesh_quad
     pc_status status = PC_OK;
     pc_polymesh changed = {0};
     uint8_t *upside_down = NULL;
-    for (int rank = 0; rank < MOST_RANKS && stats->strips < MOST_STRIPS;) {
+    stats->laid_out = quads->face_count;
+    if (fabs(quads->face_count / wanted - 1) > FAR_OFF) return PC_OK;
+    for (int failures = 0, rank = 0; failures < MOST_FAILURES && stats->strips < MOST_STRIPS;) {
         bool made;
         pc_remesh_quads_stats after = *stats;
         double miss = fabs(quads->face_count / wanted - 1);
@@ -54,7 +78,7 @@ static pc_status meet_count(pc_polymesh *quads, uint8_t **folded, pc_remesh_quad
         PC_TRY(set_upright(&changed, &upside_down, &after, ctx, PC_NGONS_SPLIT, ground));
         if (after.folded > stats->folded || fabs(changed.face_count / wanted - 1) >= miss) {
             pc_polymesh_free(&changed, ctx);
-            rank++;
+            rank++, failures++;
             continue;
         }
         pc_polymesh_free(quads, ctx);
@@ -121,6 +145,25 @@ static void set_period(remeshing *r, double period) {
     }
 }
 
+static double largest(const double *scale, pc_index count) {
+    double most = 0;
+    for (pc_index v = 0; v < count; v++)
+        most = fmax(most, scale[v]);
+    return most;
+}
+
+static double mean_square(const double *scale, const pc_mesh *mesh) {
+    double sum = 0, area = 0;
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        const pc_index *t = mesh->triangle + 3 * (size_t)f;
+        pc_vec3 p = pc_vec3_at(mesh->position, t[0]), a = pc_sub(pc_vec3_at(mesh->position, t[1]), p);
+        double size = pc_norm(pc_cross(a, pc_sub(pc_vec3_at(mesh->position, t[2]), p)));
+        double mean = (scale[t[0]] + scale[t[1]] + scale[t[2]]) / 3;
+        sum += size * mean * mean, area += size;
+    }
+    return area > 0 ? sum / area : 1;
+}
+
 static pc_status attempt(remeshing *r, double period) {
     pc_param_options options = PC_PARAM_DEFAULTS;
     options.period_length = period, options.seed = r->options->seed;
@@ -136,7 +179,9 @@ static pc_status attempt(remeshing *r, double period) {
 
 /* What a look at the quads of the present layout finds. */
 typedef struct outcome {
-    double count;
+    double count;   /* as the layout gives it */
+    double reached; /* ... after strips have been doubled or drawn together for it */
+    pc_index folded;
     bool wanting; /* the scale has been raised, and it is worth another try */
 } outcome;
 
@@ -147,18 +192,20 @@ static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, p
 }
 
 /* Looks at the quads of the present layout, and raises the scale where they fail. */
-static pc_status look(remeshing *r, outcome *found, bool refine) {
+static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) {
     pc_status status = PC_OK;
     pc_polymesh quads = {0};
     uint8_t *folded = NULL;
     pc_remesh_quads_stats made;
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
     pc_sizing_stats sizes;
-    *found = (outcome){(double)pc_quads_count(r->layout, r->options->ngons), false};
+    *found = (outcome){.count = (double)pc_quads_count(r->layout, r->options->ngons)};
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
-    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, 0, &r->ground));
-    found->count = quads.face_count;
+    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, wanted, &r->ground));
+    found->reached = quads.face_count;
+    found->count = made.strips ? made.laid_out : quads.face_count;
+    found->folded = made.folded;
     if (!refine) goto done;
     sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? r->period / 2 : r->period;
     sizing.period_length = r->period;
@@ -194,10 +241,11 @@ static pc_status settle_sizes(remeshing *r, outcome *found) {
     pc_status status = PC_OK;
     const double wanted = r->options->quads;
     double period = r->period;
+    if (wanted > 0) period *= sqrt(mean_square(r->scale, r->mesh)); /* finer cells count for more */
     for (;;) {
         bool refine = r->stats->refinements < r->options->refinements;
         PC_TRY(attempt(r, period));
-        PC_TRY(look(r, found, refine));
+        PC_TRY(look(r, found, refine, 0));
         pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, found->count,
                found->wanting ? ", finer ones are needed in places" : "");
         if (!found->wanting) break;
@@ -217,12 +265,12 @@ static pc_status settle_count(remeshing *r, outcome *found) {
     const size_t bytes = sizeof(double) * r->mesh->vertex_count;
     PC_TRY(pc_new(&best_scale, r->ctx, r->mesh->vertex_count));
     for (int tries = 1;; tries++) {
-        double miss = fabs(found->count / wanted - 1);
+        double miss = fabs(found->reached / wanted - 1) + (found->folded ? 1 : 0);
         if (miss < best_miss) {
             best_miss = miss, best_period = r->period;
             memcpy(best_scale, r->scale, bytes);
         }
-        if (miss <= (tries > 2 ? CLOSE_ENOUGH : CLOSE)) break;
+        if (miss <= (tries > 1 ? CLOSE_ENOUGH : CLOSE)) break;
         if (tries == MOST_TRIES_FOR_COUNT) {
             if (best_miss == miss) break;
             memcpy(r->scale, best_scale, bytes);
@@ -231,7 +279,7 @@ static pc_status settle_count(remeshing *r, outcome *found) {
             break;
         }
         PC_TRY(attempt(r, guess(&known, r->period, found->count, wanted)));
-        PC_TRY(look(r, found, false));
+        PC_TRY(look(r, found, false, tries > 1 ? wanted : 0));
         pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads", r->period, found->count);
     }
 done:
@@ -260,9 +308,13 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
     for (pc_index v = 0; v < mesh->vertex_count; v++)
         r.scale[v] = curl ? curl[v] : 1;
     PC_TRY(pc_ground_make(&r.ground, ctx, mesh, adjacency));
+    pc_room_options room = PC_ROOM_DEFAULTS;
+    room.period_length = options->period_length;
+    PC_TRY(pc_room_make(r.scale, ctx, device, mesh, adjacency, field, &room));
+    pc_log(ctx, PC_LOG_DEBUG, "singularities want cells up to %.2f times as fine, %.2f on the mean",
+           largest(r.scale, mesh->vertex_count), sqrt(mean_square(r.scale, mesh)));
     PC_TRY(search(&r));
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        stats->finest_scale = fmax(stats->finest_scale, r.scale[v]);
+    stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:
     pc_ground_free(&r.ground, ctx);
     *scale = r.scale;

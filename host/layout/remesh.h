@@ -39,6 +39,7 @@ typedef struct pc_remesh_quads_stats {
     pc_index collapsed; /* quads that nothing could set upright, drawn together */
     pc_index folded;    /* that are upside down nevertheless */
     pc_index strips;    /* doubled or drawn together for the count */
+    pc_index laid_out;  /* faces before that; 0 where no count was wanted */
     pc_relax_stats relaxed;
 } pc_remesh_quads_stats;
 
