@@ -2,7 +2,7 @@
 #include "memory.h"
 #include <string.h>
 
-enum { SLICE = 8, WINDOW = 256, PART_STEP = 512, TURN_SHIFT = 30 };
+enum { WINDOW = 256, PART_STEP = 4096, TURN_SHIFT = 30 };
 /* A part is kept below this whatever the device allows: large single buffers are what drivers get wrong. */
 static const size_t largest_part = (size_t)1 << 30;
 
@@ -10,7 +10,7 @@ pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_block
     enum { LONGEST = 64 };
     pc_status status = PC_OK;
     const pc_index n = matrix->row_count;
-    *order = (pc_row_order){.count = n, .padded = (n + SLICE - 1) / SLICE * SLICE};
+    *order = (pc_row_order){.count = n};
     PC_TRY(pc_new(&order->row, ctx, n));
     PC_TRY(pc_new(&order->place, ctx, n));
     for (pc_index window = 0; window < n; window += WINDOW) {
@@ -19,7 +19,7 @@ pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_block
         pc_index at[LONGEST + 2] = {0};
         for (pc_index i = window; i < end; i++) {
             pc_index length = matrix->start[i + 1] - matrix->start[i];
-            if (length > LONGEST || matrix->form == PC_FORM_DENSE) length = LONGEST;
+            if (length > LONGEST) length = LONGEST;
             order->place[i] = LONGEST - length;
             at[LONGEST - length + 1]++;
         }
@@ -66,18 +66,8 @@ static pc_index slice_length(const copying *c, pc_index slice) {
 }
 
 /* Where number k of the block in a lane goes within a slice's entry. */
-static inline size_t value_place(pc_block_form form, pc_index lane, size_t k) {
-    switch (form) {
-    case PC_FORM_SCALAR:
-        return lane;
-    case PC_FORM_COMPLEX:
-        return 2 * (size_t)lane + k;
-    case PC_FORM_TURNED:
-        return 16 * (k / 2) + 2 * (size_t)lane + k % 2;
-    case PC_FORM_DENSE:
-        break;
-    }
-    return k;
+static inline size_t value_place(pc_block_form form, pc_index rows, pc_index lane, size_t k) {
+    return form == PC_FORM_SCALAR ? lane : 2 * (rows * (k / 2) + lane) + k % 2;
 }
 
 /* Arrays of one part on the host. */
@@ -110,7 +100,7 @@ static void stage_slice(const copying *c, staged *s, pc_index slice, pc_index at
             *column = c->columns->place[m->column[e]];
             if (m->turn) *column |= (pc_index)m->turn[e] << TURN_SHIFT;
             for (size_t u = 0; u < size; u++) {
-                size_t place_of = to * c->slice_rows * size + value_place(m->form, lane, u);
+                size_t place_of = to * c->slice_rows * size + value_place(m->form, c->slice_rows, lane, u);
                 s->value[place_of] = m->value[size * e + u];
                 if (s->exact) s->exact[place_of] = c->exact->value[size * e + u];
             }
@@ -156,8 +146,9 @@ static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, si
     const size_t bytes = c->slice_rows * (unit > sizeof(pc_index) ? unit : sizeof(pc_index));
     pc_devmat_part now = {0};
     int count = 0;
-    for (pc_index step = 0; step < slices; step += PART_STEP) {
-        pc_index end = slices - step < PART_STEP ? slices : step + PART_STEP;
+    const pc_index wide = PART_STEP / c->slice_rows;
+    for (pc_index step = 0; step < slices; step += wide) {
+        pc_index end = slices - step < wide ? slices : step + wide;
         size_t entries = 0;
         for (pc_index s = step; s < end; s++)
             entries += slice_length(c, s);
@@ -208,10 +199,10 @@ done:
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
                          const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact) {
     pc_status status = PC_OK;
-    copying c = {matrix, rows, columns, exact, matrix->form == PC_FORM_DENSE ? 1 : SLICE};
+    copying c = {matrix, rows, columns, exact, pc_devmat_slice_rows(device)};
     size_t cap = pc_device_allocation_cap(device);
     if (cap > largest_part) cap = largest_part;
-    *out = (pc_devmat){.form = matrix->form, .row_count = matrix->row_count};
+    *out = (pc_devmat){.form = matrix->form, .row_count = matrix->row_count, .slice_rows = c.slice_rows};
     out->slice_count = (matrix->row_count + c.slice_rows - 1) / c.slice_rows;
     int count = cut_parts(NULL, &c, out->slice_count, cap);
     PC_TRY(pc_new(&out->part, ctx, (size_t)count));

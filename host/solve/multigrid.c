@@ -100,8 +100,9 @@ static pc_status finest(pc_multigrid *mg, pc_context *ctx, const pc_system *syst
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < entries * (size_t)pc_form_size(form); k++)
         a->value[k] = (float)(mg->scale * system->value[k]);
-    for (pc_index i = 0; i < n; i++)
-        a->diagonal[i] = (float)(mg->scale * system->diagonal[i]);
+    const size_t per_row = (size_t)pc_form_diagonal(form);
+    for (size_t i = 0; i < n * per_row; i++)
+        a->diagonal[i] = (float)(mg->scale * system->diagonal[i / per_row]);
     a->exact = system->value;
     a->exact_diagonal = system->diagonal;
     a->exact_scale = mg->scale;
@@ -135,7 +136,6 @@ done:
 static pc_status invert_last(pc_multigrid *mg, pc_context *ctx) {
     const pc_blockmat *a = &mg->level[mg->level_count - 1].matrix;
     const size_t n = reals(a);
-    const size_t w = (size_t)pc_form_width(a->form);
     pc_status status = PC_OK;
     double *m = NULL;
     float *unit = NULL;
@@ -145,7 +145,6 @@ static pc_status invert_last(pc_multigrid *mg, pc_context *ctx) {
     PC_TRY(pc_new(&unit, ctx, n));
     PC_TRY(pc_new(&column, ctx, n));
     PC_TRY(pc_new(&mg->inverse, ctx, n * n));
-    (void)w;
     for (size_t c = 0; c < n; c++) {
         unit[c] = 1;
         pc_blockmat_apply(column, a, unit);
@@ -163,32 +162,23 @@ done:
     return status;
 }
 
-static double mean_diagonal(const pc_blockmat *a, pc_index i) {
-    if (a->form != PC_FORM_DENSE) return (double)a->diagonal[i];
-    const float *d = a->diagonal + 16 * (size_t)i;
-    return 0.25 * ((double)d[0] + (double)d[5] + (double)d[10] + (double)d[15]);
-}
-
 static pc_status keep_first_diagonal(pc_level *level, pc_context *ctx) {
     pc_status status = pc_new(&level->first_diagonal, ctx, level->matrix.row_count);
     for (pc_index i = 0; status == PC_OK && i < level->matrix.row_count; i++)
-        level->first_diagonal[i] = (float)mean_diagonal(&level->matrix, i);
+        level->first_diagonal[i] = (float)pc_blockmat_mean_diagonal(&level->matrix, i);
     return status;
 }
 
 /* The mean diagonals of a level become those of the first time plus `change`. */
 static void raise_diagonal(pc_level *level, const double *change) {
     pc_blockmat *a = &level->matrix;
+    const size_t per_row = (size_t)pc_form_diagonal(a->form);
 #pragma omp parallel for schedule(static)
     for (pc_index i = 0; i < a->row_count; i++) {
         double wanted = (double)level->first_diagonal[i] + change[i];
-        if (a->form != PC_FORM_DENSE) {
-            a->diagonal[i] = (float)wanted;
-            continue;
-        }
-        double more = wanted - mean_diagonal(a, i);
-        for (int k = 0; k < 16; k += 5)
-            a->diagonal[16 * (size_t)i + (size_t)k] += (float)more;
+        float more = (float)(wanted - pc_blockmat_mean_diagonal(a, i));
+        for (size_t k = 0; k < per_row; k++)
+            a->diagonal[per_row * i + k] += more;
     }
     pc_galerkin_invert_diagonal(a);
 }
