@@ -63,27 +63,46 @@ PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index 
     return score < 0;
 }
 
-PC_ALWAYS_INLINE void find_strong_row(pc_block_form form, float *size, uint8_t *eligible,
-                                      const pc_blockmat *a, double threshold, pc_index i) {
+PC_ALWAYS_INLINE void size_row(pc_block_form form, float *size, uint8_t *eligible, uint8_t *dominated,
+                               const pc_blockmat *a, pc_index i) {
+    const double rounding = 1e-5;
     double d = pc_blockmat_mean_diagonal(a, i);
     double total = 0;
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
-        size[e] = 0;
-        if (a->column[e] == i) continue;
-        double square = square_of(form, a, e);
-        double of_j = pc_blockmat_mean_diagonal(a, a->column[e]);
-        bool is_strong = square > threshold * threshold * d * of_j && !repels(form, a, i, e, square);
-        total += sqrt(square);
-        size[e] = is_strong ? (float)sqrt(square) : 0;
+        size[e] = a->column[e] == i ? 0 : (float)sqrt(square_of(form, a, e));
+        total += (double)size[e];
     }
     eligible[i] = total > ruled_by_diagonal * d;
+    dominated[i] = total > (1 + rounding) * d;
+}
+
+/* A coupling that repels makes the diagonals of both its rows smaller than their couplings. */
+PC_ALWAYS_INLINE void drop_weak(pc_block_form form, float *size, const uint8_t *dominated,
+                                const pc_blockmat *a, double threshold, pc_index i) {
+    double d = threshold * threshold * pc_blockmat_mean_diagonal(a, i);
+    for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
+        double square = (double)size[e] * (double)size[e];
+        pc_index j = a->column[e];
+        if (!(square > d * pc_blockmat_mean_diagonal(a, j)) ||
+            (dominated[i] && dominated[j] && repels(form, a, i, e, square)))
+            size[e] = 0;
+    }
 }
 
 /* The sizes of strong couplings (0 for the others), and the rows that take part. */
-static void find_strong(float *size, uint8_t *eligible, const pc_blockmat *a, double threshold) {
-#define ROW(form, i) find_strong_row(form, size, eligible, a, threshold, i)
-    PC_EACH_ROW(a->form, a->row_count, ROW);
-#undef ROW
+static pc_status find_strong(float *size, uint8_t *eligible, pc_context *ctx, const pc_blockmat *a,
+                             double threshold) {
+    uint8_t *dominated = NULL;
+    pc_status status = pc_new(&dominated, ctx, a->row_count);
+    if (status != PC_OK) return status;
+#define SIZE(form, i) size_row(form, size, eligible, dominated, a, i)
+    PC_EACH_ROW(a->form, a->row_count, SIZE);
+#undef SIZE
+#define DROP(form, i) drop_weak(form, size, dominated, a, threshold, i)
+    PC_EACH_ROW(a->form, a->row_count, DROP);
+#undef DROP
+    pc_free(ctx, dominated);
+    return PC_OK;
 }
 
 /* Groups go by their roots' rows until they are numbered. */
@@ -210,11 +229,11 @@ pc_status pc_aggregates_make(pc_aggregates *aggregates, pc_context *ctx, const p
     PC_TRY(pc_new(&aggregates->of, ctx, n));
     PC_TRY(pc_new(&aggregates->via, ctx, n));
     PC_TRY(pc_new(&aggregates->member, ctx, n));
-    PC_TRY(pc_new(&size, ctx, matrix->start[n]));
+    PC_TRY(pc_resize(&size, ctx, matrix->start[n]));
     PC_TRY(pc_new(&eligible, ctx, n));
     memset(aggregates->of, 0xff, n * sizeof *aggregates->of);
     memset(aggregates->via, 0xff, n * sizeof *aggregates->via);
-    find_strong(size, eligible, matrix, threshold);
+    PC_TRY(find_strong(size, eligible, ctx, matrix, threshold));
     group_rows(aggregates, matrix, size, eligible);
     PC_TRY(pc_new(&aggregates->start, ctx, (size_t)aggregates->count + 1));
     list_members(aggregates);
@@ -361,7 +380,7 @@ pc_status pc_aggregates_transport(pc_blockmat *tentative, pc_context *ctx, const
     const size_t size = (size_t)pc_form_size(form);
     frames f = {0};
     *tentative = (pc_blockmat){0};
-    PC_TRY(pc_new(&f.value, ctx, size * matrix->row_count));
+    PC_TRY(pc_resize(&f.value, ctx, size * matrix->row_count));
     if (form == PC_FORM_TURNED) PC_TRY(pc_new(&f.turn, ctx, matrix->row_count));
 #define GROUP(form_of, group) transport(form_of, &f, matrix, aggregates, group)
     PC_EACH_ROW(form, aggregates->count, GROUP);

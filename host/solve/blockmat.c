@@ -11,9 +11,10 @@ pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form f
         return pc_fail(ctx, PC_E_MESH, "a multigrid level of %zu couplings is beyond 32-bit offsets",
                        entries);
     PC_TRY(pc_new(&matrix->start, ctx, (size_t)rows + 1));
-    PC_TRY(pc_new(&matrix->column, ctx, entries));
-    PC_TRY(pc_new(&matrix->value, ctx, entries * (size_t)pc_form_size(form)));
-    if (form == PC_FORM_TURNED) PC_TRY(pc_new(&matrix->turn, ctx, entries));
+    /* Grown from nothing: these are the large ones, and whoever makes them fills them. */
+    PC_TRY(pc_resize(&matrix->column, ctx, entries));
+    PC_TRY(pc_resize(&matrix->value, ctx, entries * (size_t)pc_form_size(form)));
+    if (form == PC_FORM_TURNED) PC_TRY(pc_resize(&matrix->turn, ctx, entries));
     if (square) {
         PC_TRY(pc_new(&matrix->diagonal, ctx, (size_t)rows * (size_t)pc_form_diagonal(form)));
         PC_TRY(pc_new(&matrix->inverse, ctx, (size_t)rows * (size_t)pc_form_diagonal(form)));

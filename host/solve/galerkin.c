@@ -16,7 +16,7 @@ typedef struct product {
 } product;
 
 /* A sparse row under construction. Its entries go by keys: the column, for TURNED 4 column + turn. slot[]
- * needs no clearing. */
+ * needs no clearing. Each thread has one, and works on a copy that the compiler can keep in registers. */
 typedef struct row {
     pc_index *slot; /* per key: its place in list, if list agrees */
     pc_index *list; /* keys */
@@ -41,11 +41,11 @@ PC_ALWAYS_INLINE void note_row(pc_block_form form, row *r, const pc_blockmat *b,
 }
 
 /* Counts the entries of row i into start[i + 1]. */
-PC_ALWAYS_INLINE void count_row(pc_block_form form, pc_index *start, row *rows, const product *p,
+PC_ALWAYS_INLINE void count_row(pc_block_form form, pc_index *start, const row *rows, const product *p,
                                 pc_index i) {
     const pc_blockmat *a = p->a;
-    row *r = &rows[omp_get_thread_num()];
-    r->count = 0;
+    row own = rows[omp_get_thread_num()];
+    row *r = &own;
     if (p->finish != SMOOTH || p->b->start[i] < p->b->start[i + 1]) {
         if (a->diagonal) note_row(form, r, p->b, i, 0);
         for (size_t e = a->start[i]; e < a->start[i + 1]; e++)
@@ -97,7 +97,6 @@ PC_ALWAYS_INLINE void load_diagonal(pc_block_form form, pc_blockval *v, const pc
 PC_ALWAYS_INLINE void row_values(pc_block_form form, row *r, const product *p, pc_index i) {
     const pc_blockmat *a = p->a;
     pc_blockval v;
-    r->count = 0;
     if (p->finish == SMOOTH && p->b->start[i] == p->b->start[i + 1]) return;
     if (a->diagonal) {
         load_diagonal(form, &v, a, i);
@@ -154,8 +153,9 @@ PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, const product *p
     }
 }
 
-PC_ALWAYS_INLINE void fill_row(pc_block_form form, row *rows, const product *p, pc_index i) {
-    row *r = &rows[omp_get_thread_num()];
+PC_ALWAYS_INLINE void fill_row(pc_block_form form, const row *rows, const product *p, pc_index i) {
+    row own = rows[omp_get_thread_num()];
+    row *r = &own;
     row_values(form, r, p, i);
     if (p->finish == SMOOTH && r->count > 0) smooth_row(form, r, p, i);
     put_row(form, r, p, i);
@@ -241,7 +241,7 @@ pc_status pc_galerkin_transpose(pc_blockmat *restriction, pc_context *ctx, const
     pc_status status = PC_OK;
     pc_index *source = NULL;
     *restriction = (pc_blockmat){0};
-    PC_TRY(pc_new(&source, ctx, entries));
+    PC_TRY(pc_resize(&source, ctx, entries));
     PC_TRY(pc_blockmat_make(restriction, ctx, form, p->column_count, p->row_count, entries, false));
     pc_blockmat *r = restriction;
     for (size_t e = 0; e < entries; e++)
