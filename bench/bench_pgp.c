@@ -112,6 +112,7 @@ static pc_status run_scheme(bench *b, const char *text) {
     pc_param param = {0};
     pc_layout layout = {0};
     pc_polymesh quads = {0};
+    pc_ground ground = {0};
     pc_param_options options = PC_PARAM_DEFAULTS;
     pc_param_stats stats;
     pc_layout_stats laid;
@@ -126,8 +127,8 @@ static pc_status run_scheme(bench *b, const char *text) {
                          b->scale, &options));
     cpu = pc_clock_cpu() - cpu;
     PC_TRY(pc_layout_make(&layout, &laid, b->ctx, &b->refined.mesh, &param));
-    PC_TRY(pc_remesh_quads(&quads, NULL, &made, b->ctx, &layout, PC_NGONS_SPLIT, &b->refined.mesh,
-                           &b->adjacency));
+    PC_TRY(pc_ground_make(&ground, b->ctx, &b->refined.mesh, &b->adjacency));
+    PC_TRY(pc_remesh_quads(&quads, NULL, &made, b->ctx, &layout, PC_NGONS_SPLIT, 0, &ground));
     const pc_quality_input input = {.scan = &b->refined.mesh, .quads = &quads, .field = &b->field};
     PC_TRY(pc_quality_measure(&q, b->ctx, &input));
     PC_TRY(pc_distortion_measure(&d, b->ctx, &b->refined.mesh, &param));
@@ -145,6 +146,7 @@ done:
     pc_param_free(&param, b->ctx);
     pc_layout_free(&layout, b->ctx);
     pc_polymesh_free(&quads, b->ctx);
+    pc_ground_free(&ground, b->ctx);
     return status;
 }
 
