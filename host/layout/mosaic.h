@@ -56,8 +56,8 @@ pc_index pc_mosaic_mend(pc_mosaic *mosaic);
 /* Joins each cell with wanted[cell] != 0 to the best neighbour, whatever it costs in quads. */
 pc_index pc_mosaic_dissolve(pc_mosaic *mosaic, const uint8_t *wanted);
 /* What has served well. */
-#define PC_MOSAIC_LONGEST 12
-#define PC_MOSAIC_SLIMMEST 2.5
+#define PC_MOSAIC_LONGEST 16
+#define PC_MOSAIC_SLIMMEST 3.0
 /* Takes out lines that start at one T-junction and end at another, or at a border, where only quads lie along
  * them: two cells become one that is not `slimmest` times as long as wide. No longer ones than `longest`
  * arcs, short ones first. Returns the number of T-junctions that are gone. */

@@ -1,12 +1,61 @@
 #include "remesh.h"
 #include "collapse.h"
 #include "memory.h"
+#include "mosaic.h"
 #include "sizing.h"
 #include "vec3.h"
 
 /* The count follows the density but for a noise of a few cells; more tries than these gain nothing. */
 enum { MOST_COLLAPSES = 5, MOST_TRIES = 9, MOST_TRIES_FOR_COUNT = 5 };
 static const double CLOSE_ENOUGH = 0.02; /* the promise is 5 % */
+
+/* Which cells nothing could set upright. */
+static pc_index mark_folded_cells(uint8_t *wanted, const pc_polymesh *quads, const uint8_t *folded,
+                                  const pc_index *face_cell) {
+    pc_index count = 0;
+    for (pc_index f = 0; f < quads->face_count; f++)
+        if (folded[f]) wanted[face_cell[f]] = 1, count++;
+    return count;
+}
+
+/* The cells themselves; those that stay upside down are joined to a neighbour each. */
+static pc_status keep_cells(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats,
+                            pc_context *ctx, const pc_layout *layout, const pc_mesh *mesh,
+                            const pc_adjacency *adjacency) {
+    pc_status status = PC_OK;
+    const pc_relax_options options = PC_RELAX_DEFAULTS;
+    pc_mosaic mosaic = {0};
+    uint8_t *upside_down = NULL, *wanted = NULL;
+    pc_index *face_cell = NULL, gone, bad_before = 0;
+    *quads = (pc_polymesh){0};
+    PC_TRY(pc_mosaic_make(&mosaic, ctx, layout));
+    pc_mosaic_mend(&mosaic);
+    PC_TRY(pc_mosaic_drop_lines(&mosaic, &gone, ctx, PC_MOSAIC_LONGEST, PC_MOSAIC_SLIMMEST));
+    for (int round = 0;; round++) {
+        PC_TRY(pc_mosaic_polygons(quads, &face_cell, ctx, &mosaic));
+        PC_TRY(pc_new(&upside_down, ctx, quads->face_count));
+        PC_TRY(pc_relax(quads, &stats->relaxed, upside_down, ctx, mesh, adjacency, &options));
+        if (round == 0) bad_before = stats->relaxed.bad_before;
+        stats->relaxed.bad_before = bad_before;
+        if (round == MOST_COLLAPSES) break;
+        PC_TRY(pc_new(&wanted, ctx, mosaic.cell_count));
+        if (mark_folded_cells(wanted, quads, upside_down, face_cell) == 0) break;
+        pc_index joined = pc_mosaic_dissolve(&mosaic, wanted);
+        if (joined == 0) break;
+        stats->collapsed += joined;
+        pc_free(ctx, wanted), pc_free(ctx, upside_down), pc_free(ctx, face_cell);
+        wanted = upside_down = NULL, face_cell = NULL;
+        pc_polymesh_free(quads, ctx);
+    }
+    if (folded) *folded = upside_down, upside_down = NULL;
+done:
+    pc_mosaic_free(&mosaic, ctx);
+    pc_free(ctx, upside_down);
+    pc_free(ctx, wanted);
+    pc_free(ctx, face_cell);
+    if (status != PC_OK) pc_polymesh_free(quads, ctx);
+    return status;
+}
 
 pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
                           const pc_layout *layout, pc_ngons ngons, const pc_mesh *mesh,
@@ -17,15 +66,16 @@ pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_
     pc_index bad_before = 0;
     *stats = (pc_remesh_quads_stats){0};
     if (folded) *folded = NULL;
+    if (ngons == PC_NGONS_KEEP) return keep_cells(quads, folded, stats, ctx, layout, mesh, adjacency);
     PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
-    if (ngons == PC_NGONS_SPLIT) PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
+    PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
     for (int round = 0;; round++) {
         pc_index collapsed, doublets;
         PC_TRY(pc_new(&upside_down, ctx, quads->face_count));
         PC_TRY(pc_relax(quads, &stats->relaxed, upside_down, ctx, mesh, adjacency, &options));
         if (round == 0) bad_before = stats->relaxed.bad_before;
         stats->relaxed.bad_before = bad_before;
-        if (ngons == PC_NGONS_KEEP || round == MOST_COLLAPSES) break;
+        if (round == MOST_COLLAPSES) break;
         PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, upside_down));
         if (collapsed == 0) break;
         stats->collapsed += collapsed;
@@ -57,6 +107,8 @@ typedef struct remeshing {
 static pc_status attempt(remeshing *r, double period) {
     pc_param_options options = PC_PARAM_DEFAULTS;
     options.period_length = period, options.seed = r->options->seed;
+    /* As far in the edges of what is written as for cells that will be split. */
+    if (r->options->ngons == PC_NGONS_KEEP) options.cancel_reach *= 2;
     pc_layout_free(r->layout, r->ctx);
     pc_param_free(r->param, r->ctx);
     pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
