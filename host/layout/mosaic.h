@@ -53,7 +53,8 @@ bool pc_mosaic_join(pc_mosaic *mosaic, pc_index to, pc_index other);
 /* Joins what has fewer than three corners, touches itself, or folds inwards to the neighbour with which it
  * makes the best cell, and triangles to pentagons. Returns the number of joins. */
 pc_index pc_mosaic_mend(pc_mosaic *mosaic);
-/* Joins each cell with wanted[cell] != 0 to the best neighbour, whatever it costs in quads. */
+/* Joins each cell with wanted[cell] != 0 to the best neighbour, whatever it costs in quads, and mends what
+ * comes of it. */
 pc_index pc_mosaic_dissolve(pc_mosaic *mosaic, const uint8_t *wanted);
 /* What has served well. */
 #define PC_MOSAIC_LONGEST 16

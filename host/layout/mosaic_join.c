@@ -256,7 +256,7 @@ pc_index pc_mosaic_dissolve(pc_mosaic *m, const uint8_t *wanted) {
         double change;
         if (!wanted[c] || m->first[c] == PC_NONE) continue;
         pc_index other = best_partner(m, c, &change);
-        if (other != PC_NONE && change < 40 && pc_mosaic_join(m, c, other)) joins++;
+        if (other != PC_NONE && change < 90 && pc_mosaic_join(m, c, other)) joins++;
     }
-    return joins;
+    return joins ? joins + pc_mosaic_mend(m) : 0;
 }
