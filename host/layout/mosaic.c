@@ -76,8 +76,7 @@ static pc_status measure(pc_mosaic *m, pc_context *ctx, const pc_layout *l) {
     for (pc_index a = 0; a < m->arc_count; a++) {
         m->via[a] = PC_NONE;
         for (pc_index i = l->arc_start[a] + 1; i < l->arc_start[a + 1]; i++)
-            m->length[a] +=
-                pc_distance(pc_vec3_at(p, l->arc_vertex[i - 1]), pc_vec3_at(p, l->arc_vertex[i]));
+            m->length[a] += pc_distance(pc_vec3_at(p, l->arc_vertex[i - 1]), pc_vec3_at(p, l->arc_vertex[i]));
     }
 done:
     pc_free(ctx, node);

@@ -14,18 +14,18 @@
 typedef struct pc_mosaic {
     const pc_layout *layout; /* borrowed */
     pc_index node_count, arc_count, cell_count;
-    pc_index *degree;  /* per node: arcs that are left, 0 where it is gone */
-    uint8_t *border;   /* per node: 1 on a boundary */
-    pc_index *tail;    /* per side: the node it starts at */
-    pc_index *next;    /* per side: the next one around its cell, counter-clockwise; PC_NONE past a boundary */
-    pc_index *prev;    /* per side */
-    pc_index *cell;    /* per side: its cell, PC_NONE past a boundary and where the arc is gone */
-    double *angle;     /* per side: inside the cell at its first node, measured on the scan */
-    double *length;    /* per arc */
-    pc_index *via;     /* per arc: a former node near its middle, PC_NONE where it is an arc of the layout */
-    pc_index *first;   /* per cell: one of its sides, PC_NONE where it has been joined to another */
-    pc_index *joined;  /* per cell: the one it has been joined to, itself while it is there */
-    double *area;      /* per cell, model units squared */
+    pc_index *degree; /* per node: arcs that are left, 0 where it is gone */
+    uint8_t *border;  /* per node: 1 on a boundary */
+    pc_index *tail;   /* per side: the node it starts at */
+    pc_index *next;   /* per side: the next one around its cell, counter-clockwise; PC_NONE past a boundary */
+    pc_index *prev;   /* per side */
+    pc_index *cell;   /* per side: its cell, PC_NONE past a boundary and where the arc is gone */
+    double *angle;    /* per side: inside the cell at its first node, measured on the scan */
+    double *length;   /* per arc */
+    pc_index *via;    /* per arc: a former node near its middle, PC_NONE where it is an arc of the layout */
+    pc_index *first;  /* per cell: one of its sides, PC_NONE where it has been joined to another */
+    pc_index *joined; /* per cell: the one it has been joined to, itself while it is there */
+    double *area;     /* per cell, model units squared */
     pc_index *scratch; /* per cell and node: marks of the search at hand */
     pc_index mark;
 } pc_mosaic;
@@ -57,7 +57,7 @@ pc_index pc_mosaic_mend(pc_mosaic *mosaic);
  * comes of it. */
 pc_index pc_mosaic_dissolve(pc_mosaic *mosaic, const uint8_t *wanted);
 /* What has served well. */
-#define PC_MOSAIC_LONGEST 16
+#define PC_MOSAIC_LONGEST  16
 #define PC_MOSAIC_SLIMMEST 3.0
 /* Takes out lines that start at one T-junction and end at another, or at a border, where only quads lie along
  * them: two cells become one that is not `slimmest` times as long as wide. No longer ones than `longest`

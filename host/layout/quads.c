@@ -69,8 +69,8 @@ static pc_status split(pc_polymesh *quads, pc_context *ctx, const pc_layout *l) 
     pc_status status = PC_OK;
     size_t faces = l->cell_start[l->cell_count];
     *quads = (pc_polymesh){0};
-    PC_TRY(pc_polymesh_make(quads, ctx, (size_t)l->node_count + l->arc_count + l->cell_count, faces,
-                            4 * faces));
+    PC_TRY(
+        pc_polymesh_make(quads, ctx, (size_t)l->node_count + l->arc_count + l->cell_count, faces, 4 * faces));
     for (pc_index n = 0; n < l->node_count; n++)
         pc_vec3_put(quads->position, n, pc_vec3_at(l->mesh.position, l->node_vertex[n]));
     double *middle = quads->position + 3 * (size_t)l->node_count;

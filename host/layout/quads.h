@@ -8,8 +8,8 @@
 
 typedef enum pc_ngons {
     PC_NGONS_SPLIT, /* every cell becomes quads around its centre: quads only, no T-junctions */
-    PC_NGONS_KEEP   /* the cells themselves, joined where that makes better ones (see mosaic.h); T-junctions are
-                       listed by the polygons on both sides */
+    PC_NGONS_KEEP /* the cells themselves, joined where that makes better ones (see mosaic.h); T-junctions are
+                     listed by the polygons on both sides */
 } pc_ngons;
 
 /* All vertices lie on the scan. With PC_NGONS_SPLIT a cell of n sides gives n quads (its centre, two middles

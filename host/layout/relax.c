@@ -15,8 +15,8 @@ typedef struct relaxation {
     pc_index *start, *near; /* per vertex: its neighbours along edges, twice each in the interior */
     pc_index *hint;         /* per vertex: the scan face it was last on */
     uint8_t *border;
-    pc_index *along;   /* 2 per vertex: its neighbours along the border, or along the straight side that a
-                          T-junction is on; PC_NONE elsewhere */
+    pc_index *along; /* 2 per vertex: its neighbours along the border, or along the straight side that a
+                        T-junction is on; PC_NONE elsewhere */
     pc_mesh rim;     /* the scan's border edges as triangles without area */
     pc_bvh rim_tree;
     uint8_t *active;

@@ -1,5 +1,5 @@
-/* Cells kept as polygons: joined where two lines meet twice, where a cell meets itself, where a line starts and
- * ends within a few cells; and upright in the end. */
+/* Cells kept as polygons: joined where two lines meet twice, where a cell meets itself, where a line starts
+ * and ends within a few cells; and upright in the end. */
 #include "cellshape.h"
 #include "mosaic.h"
 #include "param_testing.h"
@@ -56,8 +56,9 @@ typedef struct bench {
 
 /* Six by five periods. The map may be torn where a cut ends at a dislocation: edges across it jump a period,
  * which becomes a shift. */
-static void make_plane(bench *b, pc_context *ctx, void (*map)(double *s, double *t, double x, double y, void *),
-                       void *user, uint64_t seed) {
+static void make_plane(bench *b, pc_context *ctx,
+                       void (*map)(double *s, double *t, double x, double y, void *), void *user,
+                       uint64_t seed) {
     double *periods;
     pc_layout_stats stats;
     *b = (bench){0};
@@ -209,7 +210,8 @@ static void joins_keep_the_surface(void **state) {
         make_mesh(&s.mesh, ctx, kind, 5);
         finish_shape(&s, ctx, host);
         options.period_length = 3 * s.longest_edge;
-        assert_ok(ctx, pc_param_make(&param, &stats, ctx, host, &s.mesh, &s.adjacency, &s.field, NULL, &options));
+        assert_ok(ctx,
+                  pc_param_make(&param, &stats, ctx, host, &s.mesh, &s.adjacency, &s.field, NULL, &options));
         assert_ok(ctx, pc_layout_make(&layout, &layout_stats, ctx, &s.mesh, &param));
         assert_ok(ctx, pc_polygraph_of_mesh(&scan, ctx, &s.mesh));
         assert_ok(ctx, pc_mosaic_make(&m, ctx, &layout));
@@ -217,7 +219,8 @@ static void joins_keep_the_surface(void **state) {
             is_sound(ctx, &m, scan.count.chi, (uint64_t)kind);
             for (pc_index i = 0; i < m.arc_count / 16; i++) {
                 pc_index side = (pc_index)(pc_random_next(&random) % (2 * m.arc_count));
-                if (m.tail[side] == PC_NONE || m.cell[side] == PC_NONE || m.cell[side ^ 1] == PC_NONE) continue;
+                if (m.tail[side] == PC_NONE || m.cell[side] == PC_NONE || m.cell[side ^ 1] == PC_NONE)
+                    continue;
                 (void)pc_mosaic_join(&m, m.cell[side], m.cell[side ^ 1]);
             }
         }
