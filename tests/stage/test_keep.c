@@ -1,12 +1,11 @@
 /* Cells kept as polygons: joined where two lines meet twice, where a cell meets itself, where a line starts
  * and ends within a few cells; and upright in the end. */
 #include "cellshape.h"
-#include "mosaic.h"
+#include "mosaic_quads.h"
 #include "param_testing.h"
 #include "plane_param.h"
 #include "polygraph.h"
 #include "reconstruct.h"
-#include "remesh.h"
 #include "surface_testing.h"
 
 static pc_index count_corners(const pc_mosaic *m, pc_index cell) {
@@ -155,10 +154,12 @@ static wrinkles some_wrinkles(uint64_t seed) {
 /* No face of what is written is upside down, without area or without corners. */
 static void stands_upright(pc_context *ctx, const bench *b, uint64_t seed) {
     pc_polymesh quads;
-    pc_remesh_quads_stats stats;
+    pc_mosaic_quads_stats stats;
+    pc_ground ground;
     uint8_t *folded;
-    assert_ok(ctx, pc_remesh_quads(&quads, &folded, &stats, ctx, &b->layout, PC_NGONS_KEEP, &b->s.mesh,
-                                   &b->s.adjacency));
+    assert_ok(ctx, pc_ground_make(&ground, ctx, &b->s.mesh, &b->s.adjacency));
+    assert_ok(ctx, pc_mosaic_quads(&quads, &folded, &stats, ctx, &b->layout, &ground));
+    pc_ground_free(&ground, ctx);
     (void)is_manifold(ctx, &quads, 1, seed);
     for (pc_index f = 0; f < quads.face_count; f++) {
         pc_index corners = pc_cell_corners(NULL, 0, &quads, f);
