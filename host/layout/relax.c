@@ -11,7 +11,8 @@ typedef struct relaxation {
     pc_index *start, *near; /* per vertex: its neighbours along edges, twice each in the interior */
     pc_index *hint;         /* per vertex: the scan face it was last on */
     uint8_t *border;
-    pc_index *along; /* 2 per vertex: its neighbours along the border, PC_NONE elsewhere */
+    pc_index *along; /* 2 per vertex: its neighbours along the border, or along the straight side that a
+                        T-junction is on; PC_NONE elsewhere */
     uint8_t *active;
     double *moved; /* 3 per vertex */
 } relaxation;
@@ -44,6 +45,13 @@ static pc_status find_neighbours(relaxation *r, pc_context *ctx) {
             if (same % 2 == 0) continue;
             if (r->border[v] < 2) r->along[2 * (size_t)v + r->border[v]] = r->near[i];
             r->border[v]++;
+        }
+    for (pc_index f = 0; q->corner_flat && f < q->face_count; f++)
+        for (pc_index c = q->start[f], n = q->start[f + 1] - c, k = 0; k < n; k++) {
+            size_t v = q->corner[c + k];
+            if (!q->corner_flat[c + k] || r->border[v]) continue;
+            r->along[2 * v] = q->corner[c + (k + n - 1) % n];
+            r->along[2 * v + 1] = q->corner[c + (k + 1) % n];
         }
 done:
     return status;
@@ -103,13 +111,14 @@ static pc_index activate(relaxation *r, double least_sine) {
     return bad;
 }
 
-/* Where an active vertex wants to go: the mean of its neighbours, on a border of the two along it. */
+/* Where an active vertex wants to go: the mean of its neighbours, on a border or a straight side of the two
+ * along it. */
 static pc_vec3 wish(const relaxation *r, pc_index v, double fraction) {
     const double *position = r->quads->position;
     pc_vec3 p = pc_vec3_at(position, v), sum = {0, 0, 0};
     pc_index count = r->start[v + 1] - r->start[v];
-    if (r->border[v]) {
-        if (r->border[v] != 2) return p;
+    if (r->border[v] == 1 || r->border[v] > 2) return p;
+    if (r->along[2 * (size_t)v] != PC_NONE) {
         pc_vec3 ends = pc_add(pc_vec3_at(position, r->along[2 * (size_t)v]),
                               pc_vec3_at(position, r->along[2 * (size_t)v + 1]));
         return pc_madd(p, fraction, pc_sub(pc_scale(0.5, ends), p));

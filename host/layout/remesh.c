@@ -1,6 +1,7 @@
 #include "remesh.h"
 #include "collapse.h"
 #include "memory.h"
+#include "mosaic_quads.h"
 #include "room.h"
 #include "sizing.h"
 #include "strips.h"
@@ -34,7 +35,7 @@ done:
 /* In rounds: relaxed as a whole, the last upside down ones set up one by one, and those that stay so drawn
  * together. */
 static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats,
-                             pc_context *ctx, pc_ngons ngons, const pc_ground *ground) {
+                             pc_context *ctx, const pc_ground *ground) {
     pc_status status = PC_OK;
     pc_relax_options options = PC_RELAX_DEFAULTS;
     const pc_upright_options upright = PC_UPRIGHT_DEFAULTS;
@@ -45,7 +46,7 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
         PC_TRY(pc_new(folded, ctx, quads->face_count));
         if (round == 0) PC_TRY(pc_relax(quads, &stats->relaxed, *folded, ctx, ground, &options));
         PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
-        if (stats->folded == 0 || ngons == PC_NGONS_KEEP || round == MOST_COLLAPSES) break;
+        if (stats->folded == 0 || round == MOST_COLLAPSES) break;
         PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, *folded));
         if (collapsed == 0) { /* one of those around may do */
             PC_TRY(flag_around(*folded, ctx, quads));
@@ -75,7 +76,7 @@ static pc_status meet_count(pc_polymesh *quads, uint8_t **folded, pc_remesh_quad
         if (miss <= CLOSE_ENOUGH) break;
         PC_TRY(pc_strips_change(&changed, &made, ctx, quads, ground, wanted, CLOSE, rank));
         if (!made) break;
-        PC_TRY(set_upright(&changed, &upside_down, &after, ctx, PC_NGONS_SPLIT, ground));
+        PC_TRY(set_upright(&changed, &upside_down, &after, ctx, ground));
         if (after.folded > stats->folded || fabs(changed.face_count / wanted - 1) >= miss) {
             pc_polymesh_free(&changed, ctx);
             rank++, failures++;
@@ -100,11 +101,16 @@ pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_
     uint8_t *upside_down = NULL;
     *stats = (pc_remesh_quads_stats){0};
     if (folded) *folded = NULL;
-    PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
-    if (ngons == PC_NGONS_SPLIT) PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
-    PC_TRY(set_upright(quads, &upside_down, stats, ctx, ngons, ground));
-    if (ngons == PC_NGONS_SPLIT && wanted > 0)
-        PC_TRY(meet_count(quads, &upside_down, stats, ctx, wanted, ground));
+    if (ngons == PC_NGONS_KEEP) {
+        pc_mosaic_quads_stats kept;
+        PC_TRY(pc_mosaic_quads(quads, &upside_down, &kept, ctx, layout, ground));
+        stats->relaxed = kept.relaxed, stats->folded = kept.folded, stats->collapsed = kept.dissolved;
+    } else {
+        PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
+        PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
+        PC_TRY(set_upright(quads, &upside_down, stats, ctx, ground));
+        if (wanted > 0) PC_TRY(meet_count(quads, &upside_down, stats, ctx, wanted, ground));
+    }
     if (folded) *folded = upside_down, upside_down = NULL;
 done:
     pc_free(ctx, upside_down);
@@ -169,6 +175,8 @@ static pc_status attempt(remeshing *r, double period) {
     options.period_length = period;
     options.pgp.seed = r->options->seed;
     options.pgp.scheme = r->options->scheme;
+    /* As far in the edges of what is written as for cells that will be split. */
+    if (r->options->ngons == PC_NGONS_KEEP) options.cancel_reach *= 2;
     set_period(r, period);
     r->stats->tries++;
     pc_layout_free(r->layout, r->ctx);
