@@ -124,7 +124,7 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
-    const double *curl; /* may be NULL */
+    double *base; /* the scale before any refinement: curl correction, and room for singularities */
     pc_ground ground;
     double period; /* that the scale belongs to */
 } remeshing;
@@ -134,7 +134,7 @@ typedef struct remeshing {
 static void set_period(remeshing *r, double period) {
     const double change = period / r->period;
     for (pc_index v = 0; v < r->mesh->vertex_count; v++) {
-        double base = r->curl ? r->curl[v] : 1, finer = r->scale[v] / base;
+        double base = r->base[v], finer = r->scale[v] / base;
         if (finer > 1)
             r->scale[v] =
                 base * fmax(1, fmin(finer * pow(change, fmin(0.5, finer - 1)), fmax(finer, MOST_FINER)));
@@ -170,7 +170,9 @@ static double mean_square(const double *scale, const pc_mesh *mesh) {
 
 static pc_status attempt(remeshing *r, double period) {
     pc_param_options options = PC_PARAM_DEFAULTS;
-    options.period_length = period, options.seed = r->options->seed;
+    options.period_length = period;
+    options.pgp.seed = r->options->seed;
+    options.pgp.scheme = r->options->scheme;
     set_period(r, period);
     r->stats->tries++;
     pc_layout_free(r->layout, r->ctx);
@@ -305,28 +307,47 @@ static pc_status search(remeshing *r) {
     return status;
 }
 
+static pc_status start_scale(remeshing *r, const double *curl) {
+    pc_status status = PC_OK;
+    const pc_index n = r->mesh->vertex_count;
+    pc_room_options room = PC_ROOM_DEFAULTS;
+    room.period_length = r->options->period_length;
+    PC_TRY(pc_new(&r->scale, r->ctx, n));
+    PC_TRY(pc_new(&r->base, r->ctx, n));
+    for (pc_index v = 0; v < n; v++)
+        r->scale[v] = curl ? curl[v] : 1;
+    PC_TRY(pc_room_make(r->scale, r->ctx, r->device, r->mesh, r->adjacency, r->field, &room));
+    memcpy(r->base, r->scale, sizeof(double) * n);
+    pc_log(r->ctx, PC_LOG_DEBUG, "singularities want cells up to %.2f times as fine, %.2f on the mean",
+           largest(r->scale, n), sqrt(mean_square(r->scale, r->mesh)));
+done:
+    return status;
+}
+
 pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_remesh_stats *stats,
                          pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                          const pc_adjacency *adjacency, const pc_field *field, const double *curl,
                          const pc_remesh_options *options) {
     pc_status status = PC_OK;
-    remeshing r = {param, layout, NULL, stats, ctx, device, mesh, adjacency, field, options, curl, {0}, 0};
+    remeshing r = {.param = param,
+                   .layout = layout,
+                   .stats = stats,
+                   .ctx = ctx,
+                   .device = device,
+                   .mesh = mesh,
+                   .adjacency = adjacency,
+                   .field = field,
+                   .options = options};
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
-    PC_TRY(pc_new(&r.scale, ctx, mesh->vertex_count));
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        r.scale[v] = curl ? curl[v] : 1;
     PC_TRY(pc_ground_make(&r.ground, ctx, mesh, adjacency));
-    pc_room_options room = PC_ROOM_DEFAULTS;
-    room.period_length = options->period_length;
-    PC_TRY(pc_room_make(r.scale, ctx, device, mesh, adjacency, field, &room));
-    pc_log(ctx, PC_LOG_DEBUG, "singularities want cells up to %.2f times as fine, %.2f on the mean",
-           largest(r.scale, mesh->vertex_count), sqrt(mean_square(r.scale, mesh)));
+    PC_TRY(start_scale(&r, curl));
     PC_TRY(search(&r));
     stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:
     pc_ground_free(&r.ground, ctx);
+    pc_free(ctx, r.base);
     *scale = r.scale;
     if (status != PC_OK) {
         pc_free(ctx, r.scale);

@@ -15,9 +15,10 @@ typedef struct pc_remesh_options {
     uint64_t seed;
     int refinements; /* at most this many rounds of local refinement; 0: cells as equal as the field lets them
                       */
+    pc_pgp_scheme scheme;
 } pc_remesh_options;
 #define PC_REMESH_DEFAULTS                                                                                   \
-    { 0, 0, PC_NGONS_SPLIT, 1, 3 }
+    { 0, 0, PC_NGONS_SPLIT, 1, 3, PC_PGP_NORMALISE }
 
 typedef struct pc_remesh_stats {
     pc_param_stats param;
