@@ -166,12 +166,16 @@ def table(options):
                          + ("" if r["residual"][t] <= 1.05 * (1e-6, 1e-10)[t] else f" (only {r['residual'][t]:.0e})")
                          for t in range(2)]
                 print(f"{head} {r['setup_cpu']:.2f} | {cells[0]} | {cells[1]} | {ratio} | "
-                      f"{r['bytes'] / r['rows']:.0f} |")
+                      + (f"{r['bytes'] / r['rows']:.0f} |" if r["bytes"] else "not measured |"))
         print()
-        print("Exponent of CPU seconds, set-up and 1e-6, with vertices: " + "; ".join(
-            f"{NAMES[m]} {exponent([r['rows'] for r in of], [r['setup_cpu'] + r['solve_cpu'][0] for r in of]):.2f}"
-            for m in METHODS for of in [[r for r in good if r["kind"] == kind and r["method"] == m]]
-            if len({r["rows"] for r in of}) > 1) + ".\n")
+        growth = []
+        for method in METHODS:
+            of = [r for r in good if r["kind"] == kind and r["method"] == method]
+            if len({r["rows"] for r in of}) > 1:
+                seconds = [r["setup_cpu"] + r["solve_cpu"][0] for r in of]
+                growth.append(f"{NAMES[method]} {exponent([r['rows'] for r in of], seconds):.2f}")
+        if growth:
+            print(f"Exponent of CPU seconds, set-up and 1e-6, with vertices: {'; '.join(growth)}.\n")
     if options.plot:
         plot(good, options.plot)
 
