@@ -8,11 +8,12 @@
 #include "vec3.h"
 #include <string.h>
 
-enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 4, MOST_STRIPS = 12, MOST_FAILURES = 6 };
+enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 5, MOST_STRIPS = 12, MOST_FAILURES = 6 };
 /* Of the count: a miss that ends the search at once, and one that ends it where more tries have not helped;
  * the promise is 5 %. */
 static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
 static const double FAR_OFF = 0.15; /* strips cannot make up for more */
+static const double MOST_FINER = 6; /* cells, for the sake of a coarser rest */
 static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are not worth another round */
 static const double FAR = 1.5;      /* edge lengths off the quads: worth one even for a single vertex */
 
@@ -134,12 +135,15 @@ typedef struct remeshing {
     double period; /* that the scale belongs to */
 } remeshing;
 
-/* Another period, while places that have been refined keep the size of their cells. */
+/* Another period. Places that have been refined follow it only half: what was found there would be lost
+ * again. */
 static void set_period(remeshing *r, double period) {
     const double change = period / r->period;
     for (pc_index v = 0; v < r->mesh->vertex_count; v++) {
         double finer = r->scale[v] / r->base[v];
-        if (finer > 1) r->scale[v] = r->base[v] * fmax(1, finer * pow(change, fmin(1, 2 * (finer - 1))));
+        if (finer > 1)
+            r->scale[v] = r->base[v] *
+                          fmax(1, fmin(finer * pow(change, fmin(0.5, finer - 1)), fmax(finer, MOST_FINER)));
     }
     r->period = period;
     /* It must not meet an edge of half of it. */
@@ -228,20 +232,26 @@ done:
     return status;
 }
 
-/* What is known of how the count follows the period: the nearest tries with too few and with too many. */
+/* What is known of how the count follows the period: the nearest tries with too few and with too many, and
+ * the one before. A count of 0: none yet. */
 typedef struct bracket {
-    double few_period, few;   /* 0: none yet */
-    double many_period, many; /* 0: none yet */
+    double few_period, few;
+    double many_period, many;
+    double last_period, last;
 } bracket;
 
-/* The period to try next: between the two by their logarithms, as if count * period^2 were constant where one
- * is missing. */
+/* The period to try next: between the two by their logarithms; where one is missing, along the slope of the
+ * last two tries, at first that of a constant count * period^2. */
 static double guess(bracket *b, double period, double count, double wanted) {
+    double slope = b->last > 0 ? log(count / b->last) / log(period / b->last_period) : -2;
     if (count < wanted)
         b->few_period = period, b->few = count;
     else
         b->many_period = period, b->many = count;
-    if (b->few == 0 || b->many == 0) return period * sqrt(count / wanted);
+    b->last_period = period, b->last = count;
+    if (!(slope > -2)) slope = -2;
+    if (slope > -0.7) slope = -0.7;
+    if (b->few == 0 || b->many == 0) return period * exp(log(wanted / count) / slope);
     double at = log(wanted / b->many) / log(b->few / b->many);
     return b->many_period * pow(b->few_period / b->many_period, fmin(fmax(at, 0.15), 0.85));
 }
@@ -270,7 +280,7 @@ done:
 static pc_status settle_count(remeshing *r, outcome *found) {
     pc_status status = PC_OK;
     const double wanted = r->options->quads;
-    bracket known = {0, 0, 0, 0};
+    bracket known = {0, 0, 0, 0, 0, 0};
     double best_miss = INFINITY, best_period = r->period, *best_scale = NULL;
     const size_t bytes = sizeof(double) * r->mesh->vertex_count;
     PC_TRY(pc_new(&best_scale, r->ctx, r->mesh->vertex_count));
