@@ -1,13 +1,18 @@
-/* Time and iterations of the solver on synthetic tori: block-Jacobi against multigrid.
- * usage: bench_solver [device [kind 0..2 [vertices [tolerance [jacobi 0|1 [jitter [least weight]]]]]]] */
+/* Time and iterations of the solver: block-Jacobi against multigrid.
+ * On the field and the PGP system of scans, given by a path with a dot or a slash:
+ *   bench_solver device SCAN [subdivisions [tolerance [jacobi 0|1]]]
+ * on synthetic tori:
+ *   bench_solver [device [kind 0..2 [vertices [tolerance [jacobi 0|1 [jitter [least weight]]]]]]] */
 #include "clock.h"
 #include "memory.h"
 #include "random.h"
+#include "scan_systems.h"
 #include "solver.h"
 #include "systems.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void print_kernels(pc_context *ctx, pc_device *device) {
     const pc_kernel_stats *table;
@@ -36,9 +41,13 @@ static pc_status run(pc_context *ctx, pc_device *device, const pc_system *system
     for (size_t i = 0; i < n; i++)
         b[i] = 2 * pc_random_uniform(&random) - 1;
     size_t before = pc_memory_used(ctx);
+    double cpu = pc_clock_cpu();
     PC_TRY(pc_solver_make(&solver, ctx, device, system, &options));
     double setup_peak = (double)(pc_memory_peak(ctx) - before);
+    double cpu_setup = pc_clock_cpu() - cpu;
     status = pc_solver_solve(solver, ctx, x, b, tolerance, &stats);
+    double cpu_solve = pc_clock_cpu() - cpu - cpu_setup;
+    printf("  CPU: set-up %.3f s, solve %.3f s\n", cpu_setup, cpu_solve);
     printf("  %-9s setup %.3f s, %u iterations, solve %.3f s, residual %.2e, host memory %.0f B/row (set-up "
            "%.0f)\n",
            which == PC_PRECONDITION_JACOBI ? "jacobi" : "multigrid", stats.setup_seconds, stats.iterations,
@@ -62,6 +71,30 @@ static void to_stderr(void *user, pc_log_level level, const char *line) {
     (void)fprintf(user, "%s\n", line);
 }
 
+static pc_status scan_systems(pc_context *ctx, pc_device *device, const char *path, int subdivisions,
+                              double tolerance, bool jacobi) {
+    pc_status status = PC_OK;
+    pc_scan_options options = PC_SCAN_OPTIONS_DEFAULTS;
+    pc_scan_case scan = {0};
+    pc_system system = {0};
+    options.subdivisions = subdivisions;
+    PC_TRY(pc_scan_case_make(&scan, ctx, path, &options));
+    for (int k = 0; k < 2; k++) {
+        PC_TRY(k == 0 ? pc_scan_field_system(&system, ctx, device, &scan)
+                      : pc_scan_pgp_system(&system, ctx, device, &scan));
+        pc_device_reset_stats(device);
+        printf("%s, %s, %s, %u rows, tolerance %g\n", path, pc_device_name(device), k == 0 ? "field" : "pgp",
+               system.row_count, tolerance);
+        PC_TRY(run(ctx, device, &system, PC_PRECONDITION_MULTIGRID, tolerance));
+        if (jacobi) PC_TRY(run(ctx, device, &system, PC_PRECONDITION_JACOBI, tolerance));
+        pc_system_free(&system, ctx);
+    }
+done:
+    pc_scan_case_free(&scan, ctx);
+    pc_system_free(&system, ctx);
+    return status;
+}
+
 int main(int argc, char **argv) {
     pc_status status = PC_OK;
     pc_device *device = NULL;
@@ -79,6 +112,10 @@ int main(int argc, char **argv) {
     if (argc > 6) options.jitter = atof(argv[6]);
     if (argc > 7) options.least = atof(argv[7]);
     PC_TRY(pc_device_open(&device, ctx, argc > 1 ? argv[1] : "host"));
+    if (argc > 2 && strpbrk(argv[2], "./")) {
+        status = scan_systems(ctx, device, argv[2], argc > 3 ? atoi(argv[3]) : 0, tolerance, jacobi);
+        goto done;
+    }
     PC_TRY(pc_synth_torus_system(&system, ctx, (pc_block_kind)kind, &options));
     printf("%s, kind %d, %u rows, tolerance %g\n", pc_device_name(device), kind, system.row_count, tolerance);
     PC_TRY(run(ctx, device, &system, PC_PRECONDITION_MULTIGRID, tolerance));

@@ -156,6 +156,9 @@ kernel void conjugate_finish(const global double *restrict partial, global doubl
 
 #else
 
+/* As in cycle.cl. */
+#define SLICE 32
+
 /* The sum over a work-group, by a tree; on its first item. */
 inline double group_sum(double mine, local double *tree) {
     const uint lane = get_local_id(0);
@@ -170,23 +173,23 @@ inline double group_sum(double mine, local double *tree) {
 
 #define ROW_OF_SLICE                                                                                         \
     local double tree[GROUP];                                                                                \
-    const uint s = get_global_id(0) / 8;                                                                     \
-    const uint lane = get_global_id(0) % 8;                                                                  \
-    const uint row = 8 * first + get_global_id(0);                                                           \
+    const uint s = get_global_id(0) / SLICE;                                                                     \
+    const uint lane = get_global_id(0) % SLICE;                                                                  \
+    const uint row = SLICE * first + get_global_id(0);                                                           \
     double dot_sum = 0;                                                                                      \
     if (s < slices)
 
 #define LEAVE_PARTIAL                                                                                        \
     do {                                                                                                     \
         const double of_group = group_sum(dot_sum, tree);                                                    \
-        if (get_local_id(0) == 0) partial[8 * first / GROUP + get_group_id(0)] = of_group;                   \
+        if (get_local_id(0) == 0) partial[SLICE * first / GROUP + get_group_id(0)] = of_group;                   \
     } while (0)
 
 kernel void conjugate_scalar(MATRIX) {
     ROW_OF_SLICE {
         double sum = diagonal[row] * x[row];
         for (uint k = start[s]; k < start[s + 1]; k++)
-            sum += value[8 * k + lane] * x[column[8 * k + lane]];
+            sum += value[SLICE * k + lane] * x[column[SLICE * k + lane]];
         y[row] = sum;
         dot_sum = sum * x[row];
     }
@@ -200,7 +203,7 @@ kernel void conjugate_complex(MATRIX) {
     ROW_OF_SLICE {
         double2 sum = diagonal[row] * z[row];
         for (uint k = start[s]; k < start[s + 1]; k++)
-            sum += times(vload2(8 * k + lane, value), z[column[8 * k + lane]]);
+            sum += times(vload2(SLICE * k + lane, value), z[column[SLICE * k + lane]]);
         vstore2(sum, row, y);
         dot_sum = sum.x * z[row].x + sum.y * z[row].y;
     }
@@ -212,10 +215,10 @@ kernel void conjugate_turned(MATRIX) {
     ROW_OF_SLICE {
         double4 sum = diagonal[row] * z[row];
         for (uint k = start[s]; k < start[s + 1]; k++) {
-            const uint c = column[8 * k + lane];
+            const uint c = column[SLICE * k + lane];
             const double4 u = turned(z[COLUMN(c)], c >> TURN_SHIFT);
-            sum.lo += times(vload2(16 * k + lane, value), u.lo);
-            sum.hi += times(vload2(16 * k + 8 + lane, value), u.hi);
+            sum.lo += times(vload2(2 * SLICE * k + lane, value), u.lo);
+            sum.hi += times(vload2(2 * SLICE * k + SLICE + lane, value), u.hi);
         }
         vstore4(sum, row, y);
         dot_sum = total4(sum * z[row]);

@@ -1,8 +1,9 @@
 /* The multigrid cycle: products with sliced block matrices and Chebyshev steps, in float.
  *
- * Eight rows make a slice; entry k of a slice holds the k-th entries of its rows side by side: 8 columns, and 8 scalars,
- * 8 complex numbers, or (turned) 8 complex numbers for U and then 8 for V, with the quarter turn in the two top bits of
- * the column. Dense matrices have one row of 4x4 blocks per slice. `start` counts entries of slices.
+ * Eight rows make a slice in the chunk shape, 32 in the row shape; entry k of a slice holds the k-th entries of its
+ * rows side by side: columns, and scalars, complex numbers, or (turned) complex numbers for U and then those for V,
+ * with the quarter turn in the two top bits of the column. `start` counts entries of slices. Diagonals: a number per
+ * row, for turned one for U and one for V.
  *
  * Modes: 0 y = A x, 1 y += A x, 2 y = b - A x, 3 d = alpha d + beta D^-1 (b - A x), y = x + d; 2 and 3 with diagonal.
  * Chunk shape: a work-item takes `per_item` slices as wide vectors. Row shape: a work-item takes a row. */
@@ -94,7 +95,8 @@ kernel void cycle_complex(MATRIX) {
     }
 }
 
-#define FOURFOLD(v) ((v).s0000111122223333)
+/* (U, V) per row to the four reals of a row. */
+#define PAIRS(v) ((v).s0011223344556677)
 
 kernel void cycle_turned(MATRIX) {
     const global float4 *z = (const global float4 *)x;
@@ -130,20 +132,20 @@ kernel void cycle_turned(MATRIX) {
         const float16 high = (float16)(u.s89, v.s89, u.sab, v.sab, u.scd, v.scd, u.sef, v.sef);
         const uint at = 2 * (first + s);
         const uint next = at + 1;
-        const float8 g = vload8(first + s, diagonal);
-        const float8 h = vload8(first + s, inverse);
-        FINISH(float16, vload16, vstore16, low, at, FOURFOLD(g.lo), FOURFOLD(h.lo));
-        FINISH(float16, vload16, vstore16, high, next, FOURFOLD(g.hi), FOURFOLD(h.hi));
+        FINISH(float16, vload16, vstore16, low, at, PAIRS(vload8(at, diagonal)), PAIRS(vload8(at, inverse)));
+        FINISH(float16, vload16, vstore16, high, next, PAIRS(vload8(next, diagonal)), PAIRS(vload8(next, inverse)));
     }
 }
 
 #else
 
+#define SLICE 32
+
 #define ROW_OF_SLICE                                                                                         \
     const uint local_row = get_global_id(0);                                                                 \
-    const uint s = local_row / 8;                                                                            \
-    const uint lane = local_row % 8;                                                                         \
-    const uint row = 8 * first + local_row;                                                                  \
+    const uint s = local_row / SLICE;                                                                            \
+    const uint lane = local_row % SLICE;                                                                         \
+    const uint row = SLICE * first + local_row;                                                                  \
     (void)per_item;                                                                                          \
     if (s < slices)
 
@@ -151,7 +153,7 @@ kernel void cycle_scalar(MATRIX) {
     ROW_OF_SLICE {
         float sum = 0;
         for (uint k = start[s]; k < start[s + 1]; k++)
-            sum += value[8 * k + lane] * x[column[8 * k + lane]];
+            sum += value[SLICE * k + lane] * x[column[SLICE * k + lane]];
         FINISH(float, LOAD1, STORE1, sum, row, diagonal[row], inverse[row]);
     }
 }
@@ -163,7 +165,7 @@ kernel void cycle_complex(MATRIX) {
     ROW_OF_SLICE {
         float2 sum = 0;
         for (uint k = start[s]; k < start[s + 1]; k++)
-            sum += times(vload2(8 * k + lane, value), z[column[8 * k + lane]]);
+            sum += times(vload2(SLICE * k + lane, value), z[column[SLICE * k + lane]]);
         FINISH(float2, vload2, vstore2, sum, row, diagonal[row], inverse[row]);
     }
 }
@@ -173,75 +175,26 @@ kernel void cycle_turned(MATRIX) {
     ROW_OF_SLICE {
         float4 sum = 0;
         for (uint k = start[s]; k < start[s + 1]; k++) {
-            const uint c = column[8 * k + lane];
+            const uint c = column[SLICE * k + lane];
             const float4 u = turned(z[COLUMN(c)], c >> TURN_SHIFT);
-            sum.lo += times(vload2(16 * k + lane, value), u.lo);
-            sum.hi += times(vload2(16 * k + 8 + lane, value), u.hi);
+            sum.lo += times(vload2(2 * SLICE * k + lane, value), u.lo);
+            sum.hi += times(vload2(2 * SLICE * k + SLICE + lane, value), u.hi);
         }
-        FINISH(float4, vload4, vstore4, sum, row, diagonal[row], inverse[row]);
+        FINISH(float4, vload4, vstore4, sum, row, vload2(row, diagonal).xxyy, vload2(row, inverse).xxyy);
     }
 }
 
 #endif
 
-inline float4 block_times(const global float *m, uint e, float4 x) {
-    const float16 p = vload16(e, m) * (float16)(x, x, x, x);
-    const float8 h = (float8)(p.s04, p.s8c, p.s15, p.s9d) + (float8)(p.s26, p.sae, p.s37, p.sbf);
-    return h.lo + h.hi;
-}
-
-/* Both shapes: one row is 4 numbers wide and its blocks 16. */
-kernel void cycle_dense(MATRIX) {
-    const global float4 *z = (const global float4 *)x;
-#if PC_CHUNK
-    EACH_SLICE {
-#else
-    const uint s = get_global_id(0);
-    (void)per_item;
-    if (s < slices) {
-#endif
-        const uint row = first + s;
-        float16 wide = 0;
-        for (uint e = start[s]; e < start[s + 1]; e++) {
-            const float4 u = z[column[e]];
-            wide += vload16(e, value) * (float16)(u, u, u, u);
-        }
-        const float8 half_sum = (float8)(wide.s04, wide.s8c, wide.s15, wide.s9d) +
-                                (float8)(wide.s26, wide.sae, wide.s37, wide.sbf);
-        const float4 sum = half_sum.lo + half_sum.hi;
-        if (mode == 0) {
-            vstore4(sum, row, y);
-        } else if (mode == 1) {
-            vstore4(vload4(row, y) + sum, row, y);
-        } else {
-            const float4 own = z[row];
-            const float4 residual = vload4(row, b) - sum - block_times(diagonal, row, own);
-            if (mode == 2) {
-                vstore4(residual, row, y);
-            } else {
-                float4 change = beta * block_times(inverse, row, residual);
-                if (alpha != 0) change += alpha * vload4(row, d);
-                vstore4(change, row, d);
-                vstore4(own + change, row, y);
-            }
-        }
-    }
-}
-
-/* The first step from x = 0: d = x = beta D^-1 b; `width` numbers per row, 16 for a dense diagonal. Items take
- * `per_item` rows. */
+/* The first step from x = 0: d = x = beta D^-1 b; `width` numbers per row. Items take `per_item` rows. */
 kernel void cycle_first(const global float *restrict inverse, const global float *restrict b, global float *restrict x,
                         global float *restrict d, const uint rows, const uint width, const uint per_item,
                         const float beta) {
     const uint from = get_global_id(0) * per_item;
     const uint to = min(from + per_item, rows);
     for (uint row = from; row < to; row++) {
-        if (width == 16) {
-            const float4 change = beta * block_times(inverse, row, vload4(row, b));
-            vstore4(change, row, d);
-            vstore4(change, row, x);
-        } else if (width == 4) {
-            const float4 change = beta * inverse[row] * vload4(row, b);
+        if (width == 4) {
+            const float4 change = beta * vload2(row, inverse).xxyy * vload4(row, b);
             vstore4(change, row, d);
             vstore4(change, row, x);
         } else if (width == 2) {

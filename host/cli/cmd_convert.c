@@ -18,7 +18,7 @@ static const char about[] =
 typedef struct convert_line {
     pc_convert_options options;
     const char *out, *last;
-    int ngons, borders;
+    int ngons, borders, pgp;
     uint64_t min_component, parts, threads;
     bool json, quiet, verbose, no_pictures;
 } convert_line;
@@ -56,6 +56,9 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
                   "of the direction field: 0 follows the curvature, near 1 forgets it (default 0.8)"),
         PC_CHOICE("align-borders", &line->borders, "off|auto|all",
                   "run the field along borders: nowhere, where they are smooth (default), everywhere"),
+        PC_CHOICE("pgp", &line->pgp, "normalise|newton",
+                  "solver of the parameterization: normalise-and-solve steps (default), or the "
+                  "thesis's penalty and Newton's method, slower"),
         PC_COUNT("parts", &line->parts, "K", 1, 1e6,
                  "pieces to cut the mesh into (default 1); changes no result"),
         PC_COUNT("threads", &line->threads, "T", 1, 4096, "CPU threads (default: all); changes no result"),
@@ -91,6 +94,7 @@ static pc_status finish_options(convert_line *line, pc_context *ctx) {
     pc_status status = PC_OK;
     options->keep_ngons = line->ngons == 1;
     options->align_borders = line->borders;
+    options->pgp = line->pgp;
     options->pictures = !line->no_pictures;
     options->min_component = (pc_index)line->min_component;
     options->parts = (pc_index)line->parts;

@@ -10,7 +10,6 @@ typedef struct pc_cells {
         *wall; /* per edge of the overlay's mesh: 1 where it separates (drawn, or a boundary of the scan) */
     pc_index *cell; /* per face */
     pc_index cell_count;
-    int32_t *euler; /* per cell: Euler characteristic of its interior; 1 for a disk */
 } pc_cells;
 
 typedef struct pc_cells_stats {

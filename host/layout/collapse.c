@@ -64,9 +64,14 @@ static void gather(ring *r, const collapsing *c, pc_index v) {
         if (r->times[i] != 2) r->border = true;
 }
 
-/* How far the valences would be from four after drawing a and d together; -1 where the mesh would not be
+/* How far a vertex of so many neighbours is from a regular one. */
+static int oddness(int neighbours, bool border) {
+    return abs(neighbours - (border ? 3 : 4));
+}
+
+/* How far the valences would be from regular after drawing a and d together; -1 where the mesh would not be
  * manifold: they have a common neighbour beside b and e, are both on a border, or leave b or e with too few
- * faces. */
+ * faces. Where one of two merged edges is on a border the other comes to lie there. */
 static int price(const collapsing *c, pc_index a, pc_index b, pc_index d, pc_index e) {
     ring ra, rb, rd, re;
     gather(&ra, c, a), gather(&rb, c, b), gather(&rd, c, d), gather(&re, c, e);
@@ -77,9 +82,8 @@ static int price(const collapsing *c, pc_index a, pc_index b, pc_index d, pc_ind
     for (int i = 0; i < ra.count; i++)
         if (ra.vertex[i] == d) return -1;
     if (rb.count < 3 || re.count < 3) return -1;
-    if (rb.border || re.border) return -1;
-    int merged = ra.count + rd.count - 2;
-    return abs(merged - 4) + abs(rb.count - 5) + abs(re.count - 5);
+    return oddness(ra.count + rd.count - 2, ra.border || rd.border) + oddness(rb.count - 1, rb.border) +
+           oddness(re.count - 1, re.border);
 }
 
 static bool is_free(const collapsing *c, pc_index v) {

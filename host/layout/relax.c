@@ -1,6 +1,4 @@
 #include "relax.h"
-#include "bvh.h"
-#include "geometry.h"
 #include "memory.h"
 #include <string.h>
 
@@ -8,16 +6,13 @@ enum { GRAIN = 1024 };
 
 typedef struct relaxation {
     pc_polymesh *quads;
-    const pc_mesh *scan;
-    pc_bvh tree;
-    double *scan_normal;    /* 3 per scan vertex */
+    const pc_ground *ground;
     double *normal;         /* 3 per quad vertex: the scan's there */
     pc_index *start, *near; /* per vertex: its neighbours along edges, twice each in the interior */
     pc_index *hint;         /* per vertex: the scan face it was last on */
     uint8_t *border;
-    pc_index *along; /* 2 per vertex: its neighbours along the border, PC_NONE elsewhere */
-    pc_mesh rim;     /* the scan's border edges as triangles without area */
-    pc_bvh rim_tree;
+    pc_index *along; /* 2 per vertex: its neighbours along the border, or along the straight side that a
+                        T-junction is on; PC_NONE elsewhere */
     uint8_t *active;
     double *moved; /* 3 per vertex */
 } relaxation;
@@ -51,23 +46,13 @@ static pc_status find_neighbours(relaxation *r, pc_context *ctx) {
             if (r->border[v] < 2) r->along[2 * (size_t)v + r->border[v]] = r->near[i];
             r->border[v]++;
         }
-done:
-    return status;
-}
-
-/* The borders of the scan, for border vertices to slide along. */
-static pc_status make_rim(relaxation *r, pc_context *ctx, const pc_adjacency *adjacency) {
-    pc_status status = PC_OK;
-    pc_index at = 0;
-    PC_TRY(pc_mesh_make(&r->rim, ctx, r->scan->vertex_count, adjacency->boundary_edge_count));
-    memcpy(r->rim.position, r->scan->position, 3 * sizeof(double) * r->scan->vertex_count);
-    for (pc_index h = 0; h < 3 * r->scan->face_count; h++) {
-        if (adjacency->twin[h] != PC_NONE) continue;
-        r->rim.triangle[at++] = pc_tail(r->scan, h);
-        r->rim.triangle[at++] = pc_head(r->scan, h);
-        r->rim.triangle[at++] = pc_head(r->scan, h);
-    }
-    PC_TRY(pc_bvh_make(&r->rim_tree, ctx, &r->rim));
+    for (pc_index f = 0; q->corner_flat && f < q->face_count; f++)
+        for (pc_index c = q->start[f], n = q->start[f + 1] - c, k = 0; k < n; k++) {
+            size_t v = q->corner[c + k];
+            if (!q->corner_flat[c + k] || r->border[v]) continue;
+            r->along[2 * v] = q->corner[c + (k + n - 1) % n];
+            r->along[2 * v + 1] = q->corner[c + (k + 1) % n];
+        }
 done:
     return status;
 }
@@ -75,12 +60,9 @@ done:
 /* Brings vertex v from `p` onto the scan. Where surfaces lie close together the nearest point may be on
  * another one, with its back turned: then the vertex stays where it was. */
 static void look_up(relaxation *r, pc_index v, pc_vec3 p) {
-    pc_bvh_hit hit = pc_bvh_closest(&r->tree, p, r->hint[v]);
+    pc_bvh_hit hit = pc_bvh_closest(&r->ground->tree, p, r->hint[v]);
     if (hit.face == PC_NONE) return;
-    const pc_index *t = r->scan->triangle + 3 * (size_t)hit.face;
-    pc_vec3 normal = {0, 0, 0};
-    for (int k = 0; k < 3; k++)
-        normal = pc_madd(normal, hit.weight[k], pc_vec3_at(r->scan_normal, t[k]));
+    pc_vec3 normal = pc_ground_normal(r->ground, &hit);
     if (pc_dot(normal, pc_vec3_at(r->normal, v)) < 0) return;
     r->hint[v] = hit.face;
     pc_vec3_put(r->normal, v, pc_unit(normal));
@@ -129,13 +111,14 @@ static pc_index activate(relaxation *r, double least_sine) {
     return bad;
 }
 
-/* Where an active vertex wants to go: the mean of its neighbours, on a border of the two along it. */
+/* Where an active vertex wants to go: the mean of its neighbours, on a border or a straight side of the two
+ * along it. */
 static pc_vec3 wish(const relaxation *r, pc_index v, double fraction) {
     const double *position = r->quads->position;
     pc_vec3 p = pc_vec3_at(position, v), sum = {0, 0, 0};
     pc_index count = r->start[v + 1] - r->start[v];
-    if (r->border[v]) {
-        if (r->border[v] != 2) return p;
+    if (r->border[v] == 1 || r->border[v] > 2) return p;
+    if (r->along[2 * (size_t)v] != PC_NONE) {
         pc_vec3 ends = pc_add(pc_vec3_at(position, r->along[2 * (size_t)v]),
                               pc_vec3_at(position, r->along[2 * (size_t)v + 1]));
         return pc_madd(p, fraction, pc_sub(pc_scale(0.5, ends), p));
@@ -168,7 +151,7 @@ static void step(relaxation *r, double fraction, bool slide) {
     /* One after the other: each looks at where its neighbours are by now. */
     for (pc_index v = 0; slide && v < q->vertex_count; v++) {
         if (!r->active[v] || r->border[v] != 2) continue;
-        pc_bvh_hit hit = pc_bvh_closest(&r->rim_tree, pc_vec3_at(r->moved, v), PC_NONE);
+        pc_bvh_hit hit = pc_bvh_closest(&r->ground->rim_tree, pc_vec3_at(r->moved, v), PC_NONE);
         if (hit.face == PC_NONE || !keeps_apart(r, v, hit.point)) continue;
         look_up(r, v, hit.point);
     }
@@ -203,20 +186,16 @@ static void widen(relaxation *r) {
 }
 
 pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, pc_context *ctx,
-                   const pc_mesh *scan, const pc_adjacency *adjacency, const pc_relax_options *options) {
+                   const pc_ground *ground, const pc_relax_options *options) {
     pc_status status = PC_OK;
-    relaxation r = {.quads = quads, .scan = scan};
+    relaxation r = {.quads = quads, .ground = ground};
     *stats = (pc_relax_stats){0};
-    PC_TRY(pc_bvh_make(&r.tree, ctx, scan));
-    PC_TRY(pc_new(&r.scan_normal, ctx, 3 * (size_t)scan->vertex_count));
-    pc_geometry_vertex_normals(r.scan_normal, scan, adjacency, PC_NORMAL_AREA);
     PC_TRY(pc_new(&r.normal, ctx, 3 * (size_t)quads->vertex_count));
     PC_TRY(pc_new(&r.moved, ctx, 3 * (size_t)quads->vertex_count));
     PC_TRY(pc_new(&r.hint, ctx, quads->vertex_count));
     PC_TRY(pc_new(&r.active, ctx, quads->vertex_count));
     memset(r.hint, 0xff, sizeof(pc_index) * quads->vertex_count);
     PC_TRY(find_neighbours(&r, ctx));
-    PC_TRY(make_rim(&r, ctx, adjacency));
 #pragma omp parallel for schedule(static, GRAIN)
     for (pc_index v = 0; v < quads->vertex_count; v++)
         look_up(&r, v, pc_vec3_at(quads->position, v));
@@ -239,16 +218,12 @@ pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, p
     for (pc_index f = 0; folded && f < quads->face_count; f++)
         folded[f] = is_inverted(&r, f);
 done:
-    pc_bvh_free(&r.tree, ctx);
-    pc_free(ctx, r.scan_normal);
     pc_free(ctx, r.normal);
     pc_free(ctx, r.start);
     pc_free(ctx, r.near);
     pc_free(ctx, r.hint);
     pc_free(ctx, r.border);
     pc_free(ctx, r.along);
-    pc_bvh_free(&r.rim_tree, ctx);
-    pc_mesh_free(&r.rim, ctx);
     pc_free(ctx, r.active);
     pc_free(ctx, r.moved);
     return status;

@@ -2,7 +2,7 @@
 #ifndef PC_RELAX_H
 #define PC_RELAX_H
 
-#include "adjacency.h"
+#include "ground.h"
 #include "polymesh.h"
 
 typedef struct pc_relax_options {
@@ -19,9 +19,9 @@ typedef struct pc_relax_stats {
 } pc_relax_stats;
 
 /* `folded` (per face, or NULL) gets 1 where a face still is upside down. Vertices move to the
- * mean of their neighbours and back onto `scan` (its closest point); border vertices stay. Same result for
+ * mean of their neighbours and back onto the scan (its closest point); border vertices stay. Same result for
  * any number of threads. */
 pc_status pc_relax(pc_polymesh *quads, pc_relax_stats *stats, uint8_t *folded, pc_context *ctx,
-                   const pc_mesh *scan, const pc_adjacency *adjacency, const pc_relax_options *options);
+                   const pc_ground *ground, const pc_relax_options *options);
 
 #endif

@@ -1,38 +1,116 @@
 #include "remesh.h"
 #include "collapse.h"
 #include "memory.h"
+#include "mosaic_quads.h"
+#include "room.h"
 #include "sizing.h"
+#include "strips.h"
 #include "vec3.h"
+#include <string.h>
 
-/* The count follows the density but for a noise of a few cells; more tries than these gain nothing. */
-enum { MOST_COLLAPSES = 5, MOST_TRIES = 9, MOST_TRIES_FOR_COUNT = 5 };
-static const double CLOSE_ENOUGH = 0.02; /* the promise is 5 % */
+enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 5, MOST_STRIPS = 12, MOST_FAILURES = 6 };
+/* Of the count: a miss that ends the search at once, and one that ends it where more tries have not helped;
+ * the promise is 5 %. */
+static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
+static const double FAR_OFF = 0.15; /* strips cannot make up for more */
+static const double MOST_FINER = 6; /* cells, for the sake of a coarser rest */
+static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are not worth another round */
+static const double FAR = 1.5;      /* edge lengths off the quads: worth one even for a single vertex */
 
-pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
-                          const pc_layout *layout, pc_ngons ngons, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency) {
+/* Flags also the faces that share a vertex with a flagged one. */
+static pc_status flag_around(uint8_t *flag, pc_context *ctx, const pc_polymesh *quads) {
     pc_status status = PC_OK;
-    const pc_relax_options options = PC_RELAX_DEFAULTS;
-    uint8_t *upside_down = NULL;
-    pc_index bad_before = 0;
-    *stats = (pc_remesh_quads_stats){0};
-    if (folded) *folded = NULL;
-    PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
-    if (ngons == PC_NGONS_SPLIT) PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
+    uint8_t *near = NULL;
+    PC_TRY(pc_new(&near, ctx, quads->vertex_count));
+    for (pc_index f = 0; f < quads->face_count; f++)
+        for (pc_index c = quads->start[f]; flag[f] && c < quads->start[f + 1]; c++)
+            near[quads->corner[c]] = 1;
+    for (pc_index f = 0; f < quads->face_count; f++)
+        for (pc_index c = quads->start[f]; c < quads->start[f + 1]; c++)
+            flag[f] = flag[f] || near[quads->corner[c]];
+done:
+    pc_free(ctx, near);
+    return status;
+}
+
+/* In rounds: relaxed as a whole, the last upside down ones set up one by one, and those that stay so drawn
+ * together. */
+static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats,
+                             pc_context *ctx, const pc_ground *ground) {
+    pc_status status = PC_OK;
+    pc_relax_options options = PC_RELAX_DEFAULTS;
+    const pc_upright_options upright = PC_UPRIGHT_DEFAULTS;
     for (int round = 0;; round++) {
         pc_index collapsed, doublets;
-        PC_TRY(pc_new(&upside_down, ctx, quads->face_count));
-        PC_TRY(pc_relax(quads, &stats->relaxed, upside_down, ctx, mesh, adjacency, &options));
-        if (round == 0) bad_before = stats->relaxed.bad_before;
-        stats->relaxed.bad_before = bad_before;
-        if (ngons == PC_NGONS_KEEP || round == MOST_COLLAPSES) break;
-        PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, upside_down));
+        pc_free(ctx, *folded);
+        *folded = NULL;
+        PC_TRY(pc_new(folded, ctx, quads->face_count));
+        if (round == 0) PC_TRY(pc_relax(quads, &stats->relaxed, *folded, ctx, ground, &options));
+        PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
+        if (stats->folded == 0 || round == MOST_COLLAPSES) break;
+        PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, *folded));
+        if (collapsed == 0) { /* one of those around may do */
+            PC_TRY(flag_around(*folded, ctx, quads));
+            PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, *folded));
+        }
         if (collapsed == 0) break;
         stats->collapsed += collapsed;
         PC_TRY(pc_doublets_remove(quads, &doublets, ctx));
         stats->doublets += doublets;
-        pc_free(ctx, upside_down);
-        upside_down = NULL;
+    }
+done:
+    return status;
+}
+
+/* Strips are doubled or drawn together while that brings the count nearer and folds nothing. */
+static pc_status meet_count(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats,
+                            pc_context *ctx, double wanted, const pc_ground *ground) {
+    pc_status status = PC_OK;
+    pc_polymesh changed = {0};
+    uint8_t *upside_down = NULL;
+    stats->laid_out = quads->face_count;
+    if (fabs(quads->face_count / wanted - 1) > FAR_OFF) return PC_OK;
+    for (int failures = 0, rank = 0; failures < MOST_FAILURES && stats->strips < MOST_STRIPS;) {
+        bool made;
+        pc_remesh_quads_stats after = *stats;
+        double miss = fabs(quads->face_count / wanted - 1);
+        if (miss <= CLOSE_ENOUGH) break;
+        PC_TRY(pc_strips_change(&changed, &made, ctx, quads, ground, wanted, CLOSE, rank));
+        if (!made) break;
+        PC_TRY(set_upright(&changed, &upside_down, &after, ctx, ground));
+        if (after.folded > stats->folded || fabs(changed.face_count / wanted - 1) >= miss) {
+            pc_polymesh_free(&changed, ctx);
+            rank++, failures++;
+            continue;
+        }
+        pc_polymesh_free(quads, ctx);
+        pc_free(ctx, *folded);
+        *quads = changed, changed = (pc_polymesh){0};
+        *folded = upside_down, upside_down = NULL;
+        *stats = after;
+        stats->strips++, rank = 0;
+    }
+done:
+    pc_polymesh_free(&changed, ctx);
+    pc_free(ctx, upside_down);
+    return status;
+}
+
+pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
+                          const pc_layout *layout, pc_ngons ngons, double wanted, const pc_ground *ground) {
+    pc_status status = PC_OK;
+    uint8_t *upside_down = NULL;
+    *stats = (pc_remesh_quads_stats){0};
+    if (folded) *folded = NULL;
+    if (ngons == PC_NGONS_KEEP) {
+        pc_mosaic_quads_stats kept;
+        PC_TRY(pc_mosaic_quads(quads, &upside_down, &kept, ctx, layout, ground));
+        stats->relaxed = kept.relaxed, stats->folded = kept.folded, stats->collapsed = kept.dissolved;
+    } else {
+        PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
+        PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
+        PC_TRY(set_upright(quads, &upside_down, stats, ctx, ground));
+        if (wanted > 0) PC_TRY(meet_count(quads, &upside_down, stats, ctx, wanted, ground));
     }
     if (folded) *folded = upside_down, upside_down = NULL;
 done:
@@ -52,46 +130,23 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
+    double *base; /* the scale before any refinement: curl correction, and room for singularities */
+    pc_ground ground;
+    double period; /* that the scale belongs to */
 } remeshing;
 
-static pc_status attempt(remeshing *r, double period) {
-    pc_param_options options = PC_PARAM_DEFAULTS;
-    options.period_length = period, options.seed = r->options->seed;
-    pc_layout_free(r->layout, r->ctx);
-    pc_param_free(r->param, r->ctx);
-    pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
-                                     r->field, r->scale, &options);
-    if (status == PC_OK) status = pc_layout_make(r->layout, &r->stats->layout, r->ctx, r->mesh, r->param);
-    return status;
-}
-
-/* Looks at the quads of the present layout; returns their number, and raises the scale where they fail. */
-static pc_status look(remeshing *r, double *count, double period, bool refine) {
-    pc_status status = PC_OK;
-    pc_polymesh quads = {0};
-    uint8_t *folded = NULL;
-    pc_remesh_quads_stats made;
-    pc_sizing_options sizing = PC_SIZING_DEFAULTS;
-    r->stats->wanting = 0;
-    *count = (double)pc_quads_count(r->layout, r->options->ngons);
-    if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
-    /* Not pc_quads_count: doublets and collapsed quads do not count. */
-    PC_TRY(
-        pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, r->mesh, r->adjacency));
-    *count = quads.face_count;
-    if (!refine) goto done;
-    sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? period / 2 : period;
-    sizing.period_length = period;
-    PC_TRY(pc_sizing_update(r->scale, &r->stats->wanting, r->ctx, r->mesh, r->adjacency, &quads, folded,
-                            &sizing));
-done:
-    pc_polymesh_free(&quads, r->ctx);
-    pc_free(r->ctx, folded);
-    return status;
-}
-
-/* A smaller period than the mesh was refined for must not meet an edge of half of it. */
-static void limit_scale(remeshing *r, double period) {
+/* Another period. Places that have been refined follow it only half: what was found there would be lost
+ * again. */
+static void set_period(remeshing *r, double period) {
+    const double change = period / r->period;
+    for (pc_index v = 0; v < r->mesh->vertex_count; v++) {
+        double finer = r->scale[v] / r->base[v];
+        if (finer > 1)
+            r->scale[v] = r->base[v] *
+                          fmax(1, fmin(finer * pow(change, fmin(0.5, finer - 1)), fmax(finer, MOST_FINER)));
+    }
+    r->period = period;
+    /* It must not meet an edge of half of it. */
     for (pc_index e = 0; e < r->adjacency->edge_count; e++) {
         pc_index h = r->adjacency->edge_half[e], a = pc_tail(r->mesh, h), b = pc_head(r->mesh, h);
         double most =
@@ -100,37 +155,179 @@ static void limit_scale(remeshing *r, double period) {
     }
 }
 
-static pc_status search(remeshing *r) {
+static double largest(const double *scale, pc_index count) {
+    double most = 0;
+    for (pc_index v = 0; v < count; v++)
+        most = fmax(most, scale[v]);
+    return most;
+}
+
+static double mean_square(const double *scale, const pc_mesh *mesh) {
+    double sum = 0, area = 0;
+    for (pc_index f = 0; f < mesh->face_count; f++) {
+        const pc_index *t = mesh->triangle + 3 * (size_t)f;
+        pc_vec3 p = pc_vec3_at(mesh->position, t[0]), a = pc_sub(pc_vec3_at(mesh->position, t[1]), p);
+        double size = pc_norm(pc_cross(a, pc_sub(pc_vec3_at(mesh->position, t[2]), p)));
+        double mean = (scale[t[0]] + scale[t[1]] + scale[t[2]]) / 3;
+        sum += size * mean * mean, area += size;
+    }
+    return area > 0 ? sum / area : 1;
+}
+
+static pc_status attempt(remeshing *r, double period) {
+    pc_param_options options = PC_PARAM_DEFAULTS;
+    options.period_length = period;
+    options.pgp.seed = r->options->seed;
+    options.pgp.scheme = r->options->scheme;
+    /* As far in the edges of what is written as for cells that will be split. */
+    if (r->options->ngons == PC_NGONS_KEEP) options.cancel_reach *= 2;
+    set_period(r, period);
+    r->stats->tries++;
+    pc_layout_free(r->layout, r->ctx);
+    pc_param_free(r->param, r->ctx);
+    pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
+                                     r->field, r->scale, &options);
+    if (status == PC_OK) status = pc_layout_make(r->layout, &r->stats->layout, r->ctx, r->mesh, r->param);
+    return status;
+}
+
+/* What a look at the quads of the present layout finds. */
+typedef struct outcome {
+    double count;   /* as the layout gives it */
+    double reached; /* ... after strips have been doubled or drawn together for it */
+    pc_index folded;
+    bool wanting; /* the scale has been raised, and it is worth another try */
+} outcome;
+
+static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, pc_index folded, double edge) {
+    if (sizes->wanting == 0) return false;
+    return r->stats->refinements == 0 || folded || sizes->wanting > FEW * r->mesh->vertex_count ||
+           sizes->worst > FAR * edge;
+}
+
+/* Looks at the quads of the present layout, and raises the scale where they fail. */
+static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) {
     pc_status status = PC_OK;
-    double period = r->options->period_length, wanted = r->options->quads, best_miss = INFINITY,
-           best_period = period;
-    int tries_for_count = 0;
-    for (r->stats->tries = 1;; r->stats->tries++) {
-        double count;
+    pc_polymesh quads = {0};
+    uint8_t *folded = NULL;
+    pc_remesh_quads_stats made;
+    pc_sizing_options sizing = PC_SIZING_DEFAULTS;
+    pc_sizing_stats sizes;
+    *found = (outcome){.count = (double)pc_quads_count(r->layout, r->options->ngons)};
+    if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
+    /* Not pc_quads_count: doublets and collapsed quads do not count. */
+    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, wanted, &r->ground));
+    found->reached = quads.face_count;
+    found->count = made.strips ? made.laid_out : quads.face_count;
+    found->folded = made.folded;
+    if (!refine) goto done;
+    sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? r->period / 2 : r->period;
+    sizing.period_length = r->period;
+    PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, r->mesh, r->adjacency, &quads, folded, &sizing));
+    r->stats->wanting = sizes.wanting;
+    found->wanting = is_worth_another(r, &sizes, made.folded, sizing.edge_length);
+done:
+    pc_polymesh_free(&quads, r->ctx);
+    pc_free(r->ctx, folded);
+    return status;
+}
+
+/* What is known of how the count follows the period: the nearest tries with too few and with too many, and
+ * the one before. A count of 0: none yet. */
+typedef struct bracket {
+    double few_period, few;
+    double many_period, many;
+    double last_period, last;
+} bracket;
+
+/* The period to try next: between the two by their logarithms; where one is missing, along the slope of the
+ * last two tries, at first that of a constant count * period^2. */
+static double guess(bracket *b, double period, double count, double wanted) {
+    double slope = b->last > 0 ? log(count / b->last) / log(period / b->last_period) : -2;
+    if (count < wanted)
+        b->few_period = period, b->few = count;
+    else
+        b->many_period = period, b->many = count;
+    b->last_period = period, b->last = count;
+    if (!(slope > -2)) slope = -2;
+    if (slope > -0.7) slope = -0.7;
+    if (b->few == 0 || b->many == 0) return period * exp(log(wanted / count) / slope);
+    double at = log(wanted / b->many) / log(b->few / b->many);
+    return b->many_period * pow(b->few_period / b->many_period, fmin(fmax(at, 0.15), 0.85));
+}
+
+/* Sizes first: while places want finer cells, and rounds are left. */
+static pc_status settle_sizes(remeshing *r, outcome *found) {
+    pc_status status = PC_OK;
+    const double wanted = r->options->quads;
+    double period = r->period;
+    if (wanted > 0) period *= sqrt(mean_square(r->scale, r->mesh)); /* finer cells count for more */
+    for (;;) {
         bool refine = r->stats->refinements < r->options->refinements;
-        limit_scale(r, period);
         PC_TRY(attempt(r, period));
-        PC_TRY(look(r, &count, period, refine));
-        pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, count,
-               r->stats->wanting ? ", finer ones are needed in places" : "");
-        bool again = refine && r->stats->wanting;
-        r->stats->refinements += again;
-        if (again && r->stats->tries < MOST_TRIES) {
-            if (wanted > 0) period *= sqrt(count / wanted);
-            continue;
+        PC_TRY(look(r, found, refine, 0));
+        pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, found->count,
+               found->wanting ? ", finer ones are needed in places" : "");
+        if (!found->wanting) break;
+        r->stats->refinements++;
+        if (wanted > 0) period *= sqrt(found->count / wanted);
+    }
+done:
+    return status;
+}
+
+/* Then only the density, until the count is near enough. */
+static pc_status settle_count(remeshing *r, outcome *found) {
+    pc_status status = PC_OK;
+    const double wanted = r->options->quads;
+    bracket known = {0, 0, 0, 0, 0, 0};
+    double best_miss = INFINITY, best_period = r->period, *best_scale = NULL;
+    const size_t bytes = sizeof(double) * r->mesh->vertex_count;
+    PC_TRY(pc_new(&best_scale, r->ctx, r->mesh->vertex_count));
+    for (int tries = 1;; tries++) {
+        double miss = fabs(found->reached / wanted - 1) + (found->folded ? 1 : 0);
+        if (miss < best_miss) {
+            best_miss = miss, best_period = r->period;
+            memcpy(best_scale, r->scale, bytes);
         }
-        if (wanted == 0) break;
-        double miss = fabs(count / wanted - 1);
-        if (miss < best_miss) best_miss = miss, best_period = period;
-        if (miss <= CLOSE_ENOUGH) break;
-        if (r->stats->tries >= MOST_TRIES || ++tries_for_count == MOST_TRIES_FOR_COUNT) {
-            if (best_period != period) status = attempt(r, best_period);
+        if (miss <= (tries > 1 ? CLOSE_ENOUGH : CLOSE)) break;
+        if (tries == MOST_TRIES_FOR_COUNT) {
+            if (best_miss == miss) break;
+            memcpy(r->scale, best_scale, bytes);
+            r->period = best_period;
+            PC_TRY(attempt(r, best_period));
             break;
         }
-        r->stats->refinements =
-            r->options->refinements; /* sizes are settled: only the density is sought now */
-        period *= sqrt(count / wanted);
+        PC_TRY(attempt(r, guess(&known, r->period, found->count, wanted)));
+        PC_TRY(look(r, found, false, tries > 1 ? wanted : 0));
+        pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads", r->period, found->count);
     }
+done:
+    pc_free(r->ctx, best_scale);
+    return status;
+}
+
+static pc_status search(remeshing *r) {
+    outcome found;
+    r->period = r->options->period_length;
+    pc_status status = settle_sizes(r, &found);
+    if (status == PC_OK && r->options->quads > 0) status = settle_count(r, &found);
+    return status;
+}
+
+static pc_status start_scale(remeshing *r, const double *curl) {
+    pc_status status = PC_OK;
+    const pc_index n = r->mesh->vertex_count;
+    pc_room_options room = PC_ROOM_DEFAULTS;
+    room.period_length = r->options->period_length;
+    PC_TRY(pc_new(&r->scale, r->ctx, n));
+    PC_TRY(pc_new(&r->base, r->ctx, n));
+    for (pc_index v = 0; v < n; v++)
+        r->scale[v] = curl ? curl[v] : 1;
+    PC_TRY(pc_room_make(r->scale, r->ctx, r->device, r->mesh, r->adjacency, r->field, &room));
+    memcpy(r->base, r->scale, sizeof(double) * n);
+    pc_log(r->ctx, PC_LOG_DEBUG, "singularities want cells up to %.2f times as fine, %.2f on the mean",
+           largest(r->scale, n), sqrt(mean_square(r->scale, r->mesh)));
 done:
     return status;
 }
@@ -140,17 +337,25 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
                          const pc_adjacency *adjacency, const pc_field *field, const double *curl,
                          const pc_remesh_options *options) {
     pc_status status = PC_OK;
-    remeshing r = {param, layout, NULL, stats, ctx, device, mesh, adjacency, field, options};
+    remeshing r = {.param = param,
+                   .layout = layout,
+                   .stats = stats,
+                   .ctx = ctx,
+                   .device = device,
+                   .mesh = mesh,
+                   .adjacency = adjacency,
+                   .field = field,
+                   .options = options};
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
-    PC_TRY(pc_new(&r.scale, ctx, mesh->vertex_count));
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        r.scale[v] = curl ? curl[v] : 1;
+    PC_TRY(pc_ground_make(&r.ground, ctx, mesh, adjacency));
+    PC_TRY(start_scale(&r, curl));
     PC_TRY(search(&r));
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        stats->finest_scale = fmax(stats->finest_scale, r.scale[v]);
+    stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:
+    pc_ground_free(&r.ground, ctx);
+    pc_free(ctx, r.base);
     *scale = r.scale;
     if (status != PC_OK) {
         pc_free(ctx, r.scale);

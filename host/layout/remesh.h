@@ -6,6 +6,7 @@
 #include "doublet.h"
 #include "quads.h"
 #include "relax.h"
+#include "upright.h"
 
 typedef struct pc_remesh_options {
     double period_length; /* to start from, model units */
@@ -14,9 +15,10 @@ typedef struct pc_remesh_options {
     uint64_t seed;
     int refinements; /* at most this many rounds of local refinement; 0: cells as equal as the field lets them
                       */
+    pc_pgp_scheme scheme;
 } pc_remesh_options;
 #define PC_REMESH_DEFAULTS                                                                                   \
-    { 0, 0, PC_NGONS_SPLIT, 1, 3 }
+    { 0, 0, PC_NGONS_SPLIT, 1, 3, PC_PGP_NORMALISE }
 
 typedef struct pc_remesh_stats {
     pc_param_stats param;
@@ -36,13 +38,16 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
 typedef struct pc_remesh_quads_stats {
     pc_index doublets;  /* removed */
     pc_index collapsed; /* quads that nothing could set upright, drawn together */
+    pc_index folded;    /* that are upside down nevertheless */
+    pc_index strips;    /* doubled or drawn together for the count */
+    pc_index laid_out;  /* faces before that; 0 where no count was wanted */
     pc_relax_stats relaxed;
 } pc_remesh_quads_stats;
 
-/* The quads of a layout in their final place: made, doublets removed, folds relaxed. `folded` (one per face,
- * the caller frees it; or NULL) tells those that are upside down nevertheless. */
+/* The quads of a layout in their final place: made, doublets removed, folds relaxed; with `wanted` > 0 also
+ * strips of quads doubled or drawn together where the count misses it by nearly 5 % or more. `folded` (one
+ * per face, the caller frees it; or NULL) tells those that are upside down nevertheless. */
 pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_stats *stats, pc_context *ctx,
-                          const pc_layout *layout, pc_ngons ngons, const pc_mesh *mesh,
-                          const pc_adjacency *adjacency);
+                          const pc_layout *layout, pc_ngons ngons, double wanted, const pc_ground *ground);
 
 #endif

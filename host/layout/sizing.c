@@ -7,8 +7,9 @@ enum { MOST_SWEEPS = 64 };
 static const double FOLD_GROWTH = 1.4; /* a folded face says that cells are too large, not by how much */
 
 /* Factors from distances: how much finer the quads must be for a vertex to be within reach. */
-static pc_status want_by_distance(double *want, pc_context *ctx, const pc_mesh *scan, const double *scale,
-                                  const pc_polymesh *quads, const pc_sizing_options *options) {
+static pc_status want_by_distance(double *want, double *worst, pc_context *ctx, const pc_mesh *scan,
+                                  const double *scale, const pc_polymesh *quads,
+                                  const pc_sizing_options *options) {
     pc_status status = PC_OK;
     pc_mesh surface = {0};
     pc_bvh tree = {0};
@@ -18,7 +19,8 @@ static pc_status want_by_distance(double *want, pc_context *ctx, const pc_mesh *
     PC_TRY(pc_new(&hits, ctx, scan->vertex_count));
     pc_bvh_closest_all(hits, &tree, scan->position, scan->vertex_count);
     for (pc_index v = 0; v < scan->vertex_count; v++) {
-        double limit = options->reach * options->edge_length / scale[v];
+        double limit = options->edge_length * fmax(options->reach / scale[v], options->floor);
+        *worst = fmax(*worst, hits[v].face == PC_NONE ? INFINITY : hits[v].distance);
         if (hits[v].face == PC_NONE || hits[v].distance > limit)
             want[v] = hits[v].face == PC_NONE ? options->growth
                                               : fmin(hits[v].distance / limit + 0.2, options->growth);
@@ -33,6 +35,10 @@ done:
 static pc_status want_by_folds(double *want, pc_context *ctx, const pc_mesh *scan, const pc_polymesh *quads,
                                const uint8_t *folded) {
     pc_bvh tree = {0};
+    bool any = false;
+    for (pc_index f = 0; f < quads->face_count && !any; f++)
+        any = folded[f] != 0;
+    if (!any) return PC_OK;
     pc_status status = pc_bvh_make(&tree, ctx, scan);
     for (pc_index f = 0; status == PC_OK && f < quads->face_count; f++)
         for (pc_index c = quads->start[f]; folded[f] && c < quads->start[f + 1]; c++) {
@@ -75,21 +81,21 @@ static void limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacenc
     }
 }
 
-pc_status pc_sizing_update(double *scale, pc_index *wanting, pc_context *ctx, const pc_mesh *scan,
+pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ctx, const pc_mesh *scan,
                            const pc_adjacency *adjacency, const pc_polymesh *quads, const uint8_t *folded,
                            const pc_sizing_options *options) {
     pc_status status = PC_OK;
     double *want = NULL;
-    *wanting = 0;
+    *stats = (pc_sizing_stats){0};
     PC_TRY(pc_new(&want, ctx, scan->vertex_count));
-    PC_TRY(want_by_distance(want, ctx, scan, scale, quads, options));
+    PC_TRY(want_by_distance(want, &stats->worst, ctx, scan, scale, quads, options));
     PC_TRY(want_by_folds(want, ctx, scan, quads, folded));
     for (pc_index v = 0; v < scan->vertex_count; v++) {
         if (want[v] <= 0) continue;
-        ++*wanting;
+        stats->wanting++;
         scale[v] = fmin(scale[v] * want[v], options->most);
     }
-    if (*wanting == 0) goto done;
+    if (stats->wanting == 0) goto done;
     grade(scale, scan, adjacency, options->gradation * options->edge_length);
     limit_by_edges(scale, scan, adjacency, options->period_length);
 done:

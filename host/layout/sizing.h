@@ -11,17 +11,22 @@ typedef struct pc_sizing_options {
     double
         period_length; /* of the parameterization: no scale may make an edge of the scan half of it or more */
     double reach; /* scan vertices farther than this many local edge lengths from the quads want finer ones */
+    double floor; /* ... but not nearer than this many edge lengths as asked */
     double growth;    /* the most that one update may multiply a scale by */
     double most;      /* no scale becomes larger */
     double gradation; /* a scale falls off by a factor e over this many edge lengths */
 } pc_sizing_options;
 #define PC_SIZING_DEFAULTS                                                                                   \
-    { 0, 0, 1.0, 2.0, 6.0, 8.0 }
+    { 0, 0, 1.0, 0.6, 2.0, 6.0, 8.0 }
+
+typedef struct pc_sizing_stats {
+    pc_index wanting; /* scan vertices that want finer quads */
+    double worst;     /* the largest distance from a scan vertex to the quads */
+} pc_sizing_stats;
 
 /* Raises `scale` (one per scan vertex, 1: cells as asked) around what the quads miss and around the faces
- * with folded[f] != 0, smoothly. `wanting` counts the scan vertices that asked for it, 0 where the quads will
- * do. */
-pc_status pc_sizing_update(double *scale, pc_index *wanting, pc_context *ctx, const pc_mesh *scan,
+ * with folded[f] != 0, smoothly; not where no vertex wants finer ones. */
+pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ctx, const pc_mesh *scan,
                            const pc_adjacency *adjacency, const pc_polymesh *quads, const uint8_t *folded,
                            const pc_sizing_options *options);
 

@@ -1,4 +1,5 @@
 #include "param.h"
+#include "clock.h"
 #include "dislocation.h"
 #include "integrate.h"
 #include "memory.h"
@@ -106,7 +107,6 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_status status = PC_OK;
     pc_coupling coupling = {0};
     pc_edge_rows rows = {0};
-    pc_pgp_options pgp_options = PC_PGP_DEFAULTS;
     pc_pgp_stats solved;
     pc_solver *solver = NULL;
     double *phase = NULL;
@@ -117,17 +117,22 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     PC_TRY(pc_coupling_make(&coupling, ctx, device, mesh, adjacency, field, scale, options->period_length));
     PC_TRY(pc_edge_rows_make(&rows, ctx, mesh, adjacency));
     PC_TRY(pc_new(&phase, ctx, 4 * (size_t)mesh->vertex_count));
-    pgp_options.seed = options->seed;
+    double cpu = pc_clock_cpu();
     PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &rows, &coupling,
-                        options->period_length, &pgp_options));
+                        options->period_length, &options->pgp));
     stats->energy = solved.energy;
     stats->iterations = solved.iterations;
+    stats->pgp_iterations = solved.iterations;
+    stats->steps = solved.steps;
+    stats->pgp_cpu_seconds = pc_clock_cpu() - cpu;
     for (size_t i = 0; i < 4 * (size_t)mesh->vertex_count; i++)
         param->phase[i] = (float)phase[i];
     PC_TRY(pc_reconstruct(param, ctx, device, mesh, adjacency, &coupling, phase));
     pc_free(ctx, phase);
     phase = NULL;
     count_flags(stats, param);
+    stats->raw_dislocations = stats->dislocations;
+    stats->raw_flipped = stats->flipped;
     pc_log(ctx, PC_LOG_DEBUG,
            "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);

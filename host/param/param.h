@@ -5,6 +5,7 @@
 #include "adjacency.h"
 #include "device.h"
 #include "field.h"
+#include "pgp.h"
 
 /* One period (one cell side) in the fixed-point units of pc_param.coordinate. Coordinates are odd, so that no
  * iso-line s = k*PC_PERIOD ever meets a vertex. */
@@ -31,16 +32,19 @@ enum {
 
 typedef struct pc_param_options {
     double period_length; /* L, model units; every edge must be shorter than half of it (see pc_refine) */
-    uint64_t seed;
+    pc_pgp_options pgp;
     double cancel_reach; /* dislocations this many periods apart are cancelled, see pc_dislocations_cancel; 0:
                             PGP's own */
 } pc_param_options;
 #define PC_PARAM_DEFAULTS                                                                                    \
-    { 0.0, 1, 8.0 }
+    { 0.0, PC_PGP_DEFAULTS, 8.0 }
 
 typedef struct pc_param_stats {
     double energy; /* of the phases, see pc_pgp_stats */
     pc_index iterations;
+    pc_index steps, pgp_iterations; /* of the outer scheme of PGP, and of the solver in it */
+    double pgp_cpu_seconds;
+    pc_index raw_dislocations, raw_flipped;              /* faces, as PGP leaves them */
     pc_index cancelled;                                  /* dislocations */
     pc_index dislocations, field_singularities, flipped; /* faces */
 } pc_param_stats;

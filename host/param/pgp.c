@@ -1,4 +1,5 @@
 #include "pgp.h"
+#include "hostvec.h"
 #include "memory.h"
 #include "pgp_launch.h"
 #include "random.h"
@@ -132,63 +133,143 @@ static double edge_energy(const double *phase, const pc_mesh *mesh, const pc_adj
     return sum;
 }
 
+/* What both schemes work on. */
+typedef struct problem {
+    pc_context *ctx;
+    pc_device *device;
+    pc_index count;
+    double period_length;
+    pc_system
+        system; /* couplings, and the sum of their weights on the diagonal; gone once the solver is made */
+    pc_solver *solver;
+    double *mass, *degree, *least, *diagonal, *rhs;
+} problem;
+
+static pc_status pose(problem *p, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                      const pc_edge_rows *rows, const pc_coupling *coupling) {
+    pc_status status = PC_OK;
+    pc_index n = p->count = mesh->vertex_count;
+    PC_TRY(pc_new(&p->mass, p->ctx, n));
+    PC_TRY(pc_new(&p->least, p->ctx, n));
+    vertex_mass(p->mass, mesh);
+    PC_TRY(least_shifts(p->least, p->ctx, mesh, adjacency));
+    PC_TRY(pc_pgp_assemble(&p->system, p->ctx, p->device, mesh, adjacency, rows, coupling));
+    PC_TRY(pc_new(&p->degree, p->ctx, n));
+    PC_TRY(pc_new(&p->diagonal, p->ctx, n));
+    PC_TRY(pc_new(&p->rhs, p->ctx, 4 * (size_t)n));
+    memcpy(p->degree, p->system.diagonal, sizeof(double) * n);
+done:
+    return status;
+}
+
+static void dispose(problem *p) {
+    double *arrays[] = {p->mass, p->degree, p->least, p->diagonal, p->rhs};
+    pc_solver_free(p->solver, p->ctx);
+    pc_system_free(&p->system, p->ctx);
+    for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
+        pc_free(p->ctx, arrays[k]);
+}
+
+/* phase = (A + M/reach^2)^-1 M/reach^2 phase/|phase|. The solver starts from the phases as they were, norms
+ * and all: around singularities, where norms vanish, those of norm 1 are far rougher than the solution. */
+static pc_status diffuse(double *phase, pc_pgp_stats *stats, problem *p, double reach, double tolerance,
+                         bool keep_system) {
+    pc_status status = PC_OK;
+    const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
+    const double worst = 0.1; /* each step only has to bring the phases on */
+    const double shift = 1 / (reach * reach);
+    for (pc_index i = 0; i < p->count; i++)
+        p->diagonal[i] = p->degree[i] + fmax(shift, p->least[i]) * p->mass[i];
+    memcpy(p->rhs, phase, sizeof(double) * 4 * p->count);
+    PC_TRY(pc_pgp_normalise(p->rhs, p->ctx, p->device, p->count));
+    for (size_t i = 0; i < 4 * (size_t)p->count; i++)
+        p->rhs[i] *= fmax(shift, p->least[i / 4]) * p->mass[i / 4];
+    if (stats->steps == 0) memset(phase, 0, sizeof(double) * 4 * p->count); /* noise is no start */
+    if (p->solver) {
+        PC_TRY(pc_solver_set_diagonal(p->solver, p->ctx, p->diagonal));
+    } else {
+        memcpy(p->system.diagonal, p->diagonal, sizeof(double) * p->count);
+        PC_TRY(pc_solver_make(&p->solver, p->ctx, p->device, &p->system, &solver_options));
+        if (keep_system)
+            memcpy(p->system.diagonal, p->degree, sizeof(double) * p->count);
+        else
+            pc_system_free(&p->system, p->ctx);
+    }
+    pc_solver_stats solved;
+    PC_TRY(pc_solver_approach(p->solver, p->ctx, phase, p->rhs, tolerance, worst, &solved));
+    pc_log(p->ctx, PC_LOG_DEBUG, "pgp: %u iterations to residual %.1e, %.2f s + %.2f s", solved.iterations,
+           solved.residual, solved.setup_seconds, solved.solve_seconds);
+    stats->steps++;
+    stats->iterations += solved.iterations;
+    stats->seconds_in_solver += solved.setup_seconds + solved.solve_seconds;
+    PC_TRY(pc_check_interrupt(p->ctx));
+done:
+    return status;
+}
+
+static pc_status normalise_and_solve(double *phase, pc_pgp_stats *stats, problem *p,
+                                     const pc_pgp_options *options) {
+    pc_status status = PC_OK;
+    const double last_step = 0.01; /* the last one is what counts */
+    for (int step = 0; step < options->steps; step++) {
+        double f = options->steps > 1 ? (double)step / (options->steps - 1) : 1;
+        double reach =
+            p->period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
+        double tolerance = (step + 1 < options->steps ? 1 : last_step) * options->tolerance;
+        PC_TRY(diffuse(phase, stats, p, reach, tolerance, false));
+        pc_progress(p->ctx, (step + 1.0) / options->steps);
+    }
+    PC_TRY(pc_pgp_normalise(phase, p->ctx, p->device, p->count));
+done:
+    return status;
+}
+
+/* To a mean square of 1 of U and of V. */
+static void scale_to_unit(double *phase, pc_index count) {
+    size_t n = 4 * (size_t)count;
+    double square = pc_hostvec_dot(phase, phase, n);
+    double factor = square > 0 ? sqrt((double)n / 2 / square) : 1;
+    for (size_t i = 0; i < n; i++)
+        phase[i] *= factor;
+}
+
+static pc_status penalise_norms(double *phase, pc_pgp_stats *stats, problem *p,
+                                const pc_pgp_options *options) {
+    pc_status status = PC_OK;
+    /* Equilateral triangles with sides of a tenth of a period: sqrt(3)/2 of the square of a side belongs to a
+     * vertex. */
+    const double paper_area = sqrt(0.75) / 100;
+    const double square = p->period_length * p->period_length;
+    pc_newton_stats newton;
+    PC_TRY(diffuse(phase, stats, p, options->first_reach * p->period_length, options->tolerance, true));
+    scale_to_unit(phase, p->count);
+    pc_solver_free(p->solver, p->ctx);
+    p->solver = NULL;
+    for (pc_index i = 0; i < p->count; i++)
+        p->mass[i] *= options->newton.penalty / (paper_area * square);
+    PC_TRY(pc_newton_solve(phase, &newton, p->ctx, p->device, &p->system, p->mass, &options->newton));
+    stats->steps += newton.steps;
+    stats->iterations += newton.iterations;
+    stats->seconds_in_solver += newton.seconds_in_solver;
+    PC_TRY(pc_pgp_normalise(phase, p->ctx, p->device, p->count));
+done:
+    return status;
+}
+
 pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_device *device,
                        const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_edge_rows *rows,
                        const pc_coupling *coupling, double period_length, const pc_pgp_options *options) {
     pc_status status = PC_OK;
-    pc_system system = {0};
-    pc_solver *solver = NULL;
-    double *mass = NULL, *rhs = NULL, *degree = NULL, *diagonal = NULL, *least = NULL;
-    const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
-    const double worst = 0.1;      /* each step only has to bring the phases on, */
-    const double last_step = 0.01; /* but the last one is what counts */
-    pc_index n = mesh->vertex_count;
+    problem p = {.ctx = ctx, .device = device, .period_length = period_length};
     *stats = (pc_pgp_stats){0};
-    PC_TRY(pc_new(&mass, ctx, n));
-    PC_TRY(pc_new(&rhs, ctx, 4 * (size_t)n));
-    vertex_mass(mass, mesh);
-    start_phases(phase, n, options->seed);
-    PC_TRY(pc_pgp_assemble(&system, ctx, device, mesh, adjacency, rows, coupling));
-    PC_TRY(pc_new(&degree, ctx, n));
-    PC_TRY(pc_new(&diagonal, ctx, n));
-    PC_TRY(pc_new(&least, ctx, n));
-    PC_TRY(least_shifts(least, ctx, mesh, adjacency));
-    memcpy(degree, system.diagonal, sizeof(double) * n);
-    for (int step = 0; step < options->steps; step++) {
-        double f = options->steps > 1 ? (double)step / (options->steps - 1) : 1;
-        double reach =
-            period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
-        double shift = 1 / (reach * reach);
-        for (pc_index i = 0; i < n; i++)
-            diagonal[i] = degree[i] + fmax(shift, least[i]) * mass[i];
-        if (solver) {
-            PC_TRY(pc_solver_set_diagonal(solver, ctx, diagonal));
-        } else {
-            memcpy(system.diagonal, diagonal, sizeof(double) * n);
-            PC_TRY(pc_solver_make(&solver, ctx, device, &system, &solver_options));
-            pc_system_free(&system, ctx);
-        }
-        for (size_t i = 0; i < 4 * (size_t)n; i++)
-            rhs[i] = fmax(shift, least[i / 4]) * mass[i / 4] * phase[i];
-        pc_solver_stats solved;
-        double tolerance = (step + 1 < options->steps ? 1 : last_step) * options->tolerance;
-        PC_TRY(pc_solver_approach(solver, ctx, phase, rhs, tolerance, worst, &solved));
-        pc_log(ctx, PC_LOG_DEBUG, "pgp: %u iterations to residual %.1e, %.2f s + %.2f s", solved.iterations,
-               solved.residual, solved.setup_seconds, solved.solve_seconds);
-        stats->iterations += solved.iterations;
-        stats->seconds_in_solver += solved.setup_seconds + solved.solve_seconds;
-        PC_TRY(pc_pgp_normalise(phase, ctx, device, n));
-        pc_progress(ctx, (step + 1.0) / options->steps);
-        PC_TRY(pc_check_interrupt(ctx));
-    }
+    PC_TRY(pose(&p, mesh, adjacency, rows, coupling));
+    start_phases(phase, p.count, options->seed);
+    if (options->scheme == PC_PGP_NEWTON)
+        PC_TRY(penalise_norms(phase, stats, &p, options));
+    else
+        PC_TRY(normalise_and_solve(phase, stats, &p, options));
     stats->energy = edge_energy(phase, mesh, adjacency, coupling);
 done:
-    pc_solver_free(solver, ctx);
-    pc_system_free(&system, ctx);
-    pc_free(ctx, mass);
-    pc_free(ctx, rhs);
-    pc_free(ctx, degree);
-    pc_free(ctx, diagonal);
-    pc_free(ctx, least);
+    dispose(&p);
     return status;
 }

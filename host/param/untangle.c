@@ -4,14 +4,16 @@
 #include "reconstruct.h"
 #include "transition.h"
 #include <math.h>
+#include <stdlib.h>
 
-enum { ROUNDS = 8, PATIENCE = 2, SWEEPS = 40 };
+enum { ROUNDS = 8, PATIENCE = 2, SWEEPS = 40, ACTIVE = 1, WAITING = 2 };
+enum { STILL = PC_PERIOD / 4096 }; /* shorter moves are not worth the neighbours' next one */
 
 typedef struct patch {
     const pc_mesh *mesh;
     const pc_adjacency *adjacency;
     pc_param *param;
-    uint8_t *active; /* per vertex */
+    uint8_t *active; /* per vertex: 0, ACTIVE, and WAITING where a neighbour has moved since its last move */
 } patch;
 
 static pc_point2 coordinate(const pc_param *param, size_t v) {
@@ -67,17 +69,31 @@ static void gather(mean *m, const patch *p, pc_index v) {
     }
 }
 
+static void wake_neighbours(const patch *p, pc_index v) {
+    const pc_adjacency *a = p->adjacency;
+    pc_index first = a->vertex_half[v], h = first;
+    do {
+        pc_index w = pc_head(p->mesh, h);
+        if (p->active[w]) p->active[w] = WAITING;
+        h = pc_turn_ccw(a, h);
+    } while (h != first);
+}
+
+/* Not for vertices of the border. */
 static void move_vertex(const patch *p, pc_index v) {
-    mean m = {0};
+    mean m;
+    m.s = m.t = m.weight = 0, m.count = 0;
     gather(&m, p, v);
+    p->active[v] = ACTIVE;
     if (m.weight == 0) return;
     int64_t s = 2 * llround(m.s / m.weight / 2) + 1, t = 2 * llround(m.t / m.weight / 2) + 1;
     for (int i = 0; i < m.count; i++) {
         int64_t ds = m.seen[i].s - s, dt = m.seen[i].t - t;
         if (ds <= -PC_PERIOD || ds >= PC_PERIOD || dt <= -PC_PERIOD || dt >= PC_PERIOD) return;
     }
-    p->param->coordinate[2 * (size_t)v] = (int32_t)s;
-    p->param->coordinate[2 * (size_t)v + 1] = (int32_t)t;
+    int32_t *at = p->param->coordinate + 2 * (size_t)v;
+    if (llabs(s - at[0]) > STILL || llabs(t - at[1]) > STILL) wake_neighbours(p, v);
+    at[0] = (int32_t)s, at[1] = (int32_t)t;
 }
 
 /* Border vertices stay: the mean would pull them inwards. */
@@ -86,7 +102,7 @@ static pc_index activate(patch *p, pc_index *list, int rings) {
     for (pc_index f = 0; f < p->mesh->face_count; f++)
         for (int k = 0; k < 3 && is_tangled(p, f); k++)
             if (!p->active[p->mesh->triangle[3 * (size_t)f + (size_t)k]]) {
-                p->active[p->mesh->triangle[3 * (size_t)f + (size_t)k]] = 1;
+                p->active[p->mesh->triangle[3 * (size_t)f + (size_t)k]] = WAITING;
                 list[count++] = p->mesh->triangle[3 * (size_t)f + (size_t)k];
             }
     for (pc_index from = 0; rings > 0; rings--) {
@@ -95,7 +111,7 @@ static pc_index activate(patch *p, pc_index *list, int rings) {
             pc_index first = p->adjacency->vertex_half[list[from]], h = first;
             while (h != PC_NONE) {
                 pc_index w = pc_head(p->mesh, h);
-                if (!p->active[w]) p->active[w] = 1, list[count++] = w;
+                if (!p->active[w]) p->active[w] = WAITING, list[count++] = w;
                 h = pc_turn_ccw(p->adjacency, h);
                 if (h == first) break;
             }
@@ -121,9 +137,12 @@ pc_status pc_untangle(pc_param *param, pc_context *ctx, const pc_mesh *mesh, con
         idle = tangled < 0.99 * least ? 0 : idle + 1;
         if (tangled < least) least = tangled;
         if (count == 0 || idle == PATIENCE) break;
-        for (int sweep = 0; sweep < SWEEPS; sweep++)
+        for (int sweep = 0; sweep < SWEEPS; sweep++) {
             for (pc_index i = 0; i < count; i++)
-                if (!adjacency->vertex_boundary[list[i]]) move_vertex(&p, list[i]);
+                if (p.active[list[i]] == WAITING && !adjacency->vertex_boundary[list[i]])
+                    move_vertex(&p, list[i]);
+            PC_TRY(pc_check_interrupt(ctx));
+        }
         for (pc_index i = 0; i < count; i++)
             p.active[list[i]] = 0;
         pc_reconstruct_flags(param, mesh);

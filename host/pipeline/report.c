@@ -126,6 +126,7 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "min_component", options->min_component);
     if (options->smoothness >= 0) pc_json_number(json, "smoothness", options->smoothness);
     pc_json_string(json, "align_borders", borders[options->align_borders]);
+    pc_json_string(json, "pgp", options->pgp ? "newton" : "normalise");
     pc_json_integer(json, "parts", options->parts);
     pc_json_integer(json, "threads", omp_get_max_threads());
     pc_json_integer(json, "seed", (int64_t)options->seed);

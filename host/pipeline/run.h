@@ -57,6 +57,7 @@ typedef struct pc_convert_options {
     pc_index min_component; /* components of fewer faces are dropped */
     double smoothness;      /* rho of the field, 0..1; below 0: the field's default */
     int align_borders;      /* pc_align_borders */
+    int pgp;                /* pc_pgp_scheme */
     pc_index parts;         /* 0: by memory */
     uint64_t seed;
     bool compress; /* the HDF5 files */

@@ -9,6 +9,7 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "seed", (int64_t)options->seed);
     pc_json_integer(json, "quads", (int64_t)options->quads);
     pc_json_boolean(json, "keep_ngons", options->keep_ngons);
+    pc_json_integer(json, "pgp", options->pgp);
 }
 
 static void put_facts(pc_run *run, pc_json *facts, const pc_remesh_stats *stats) {
@@ -19,6 +20,9 @@ static void put_facts(pc_run *run, pc_json *facts, const pc_remesh_stats *stats)
     pc_json_number(facts, "finest_scale", stats->finest_scale);
     pc_json_integer(facts, "vertices_wanting_finer", stats->wanting);
     pc_json_number(facts, "energy", param->energy);
+    pc_json_integer(facts, "pgp_steps", param->steps);
+    pc_json_integer(facts, "pgp_iterations", param->pgp_iterations);
+    pc_json_integer(facts, "dislocations_of_pgp", param->raw_dislocations);
     pc_json_integer(facts, "iterations", param->iterations);
     pc_json_integer(facts, "dislocations_cancelled", param->cancelled);
     pc_json_integer(facts, "dislocations", param->dislocations);
@@ -38,6 +42,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     options.quads = (double)run->options->quads;
     options.ngons = run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT;
     options.seed = run->options->seed;
+    options.scheme = (pc_pgp_scheme)run->options->pgp;
     /* Each costs as much as all before it: on a large scan one has to do. */
     if (p->mesh.mesh.face_count > 1000000) options.refinements = 1;
     pc_status status = pc_remesh_make(

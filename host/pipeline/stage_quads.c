@@ -5,15 +5,21 @@
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_boolean(json, "keep_ngons", options->keep_ngons);
+    pc_json_integer(json, "quads", (int64_t)options->quads);
 }
 
 static pc_status make(pc_run *run, pc_json *facts) {
     pc_polymesh *quads = &run->product.quads;
     pc_index four = 0;
     pc_remesh_quads_stats made;
-    pc_status status = pc_remesh_quads(quads, NULL, &made, run->ctx, &run->product.layout,
-                                       run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT,
-                                       &run->product.mesh.mesh, &run->product.mesh.adjacency);
+    pc_ground ground;
+    pc_status status =
+        pc_ground_make(&ground, run->ctx, &run->product.mesh.mesh, &run->product.mesh.adjacency);
+    if (status == PC_OK)
+        status = pc_remesh_quads(quads, NULL, &made, run->ctx, &run->product.layout,
+                                 run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT,
+                                 (double)run->options->quads, &ground);
+    pc_ground_free(&ground, run->ctx);
     if (status != PC_OK) return status;
     for (pc_index f = 0; f < quads->face_count; f++) {
         pc_index sides = 0;
@@ -26,6 +32,8 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_json_integer(facts, "quads", four);
     pc_json_integer(facts, "doublets_removed", made.doublets);
     pc_json_integer(facts, "collapsed", made.collapsed);
+    pc_json_integer(facts, "upside_down", made.folded);
+    pc_json_integer(facts, "strips_changed", made.strips);
     pc_json_integer(facts, "badly_shaped_before", made.relaxed.bad_before);
     pc_json_integer(facts, "badly_shaped", made.relaxed.bad_after);
     (void)snprintf(run->record[PC_STAGE_QUADS].note, sizeof run->record->note, "%u faces, %.2f %% quads",

@@ -1,16 +1,9 @@
 #include "aggregate.h"
 #include "blockalg.h"
 #include "memory.h"
-#include "smallmat.h"
 
 /* A row with couplings below this share of its diagonal needs no coarse level. */
 static const double ruled_by_diagonal = 0.2;
-
-static double mean_diagonal(const pc_blockmat *a, pc_index i) {
-    if (a->form != PC_FORM_DENSE) return (double)a->diagonal[i];
-    const float *d = a->diagonal + 16 * (size_t)i;
-    return 0.25 * ((double)d[0] + (double)d[5] + (double)d[10] + (double)d[15]);
-}
 
 PC_ALWAYS_INLINE double square_of(pc_block_form form, const pc_blockmat *a, size_t e) {
     pc_blockval b;
@@ -25,15 +18,6 @@ PC_ALWAYS_INLINE double way_round(pc_block_form form, const pc_blockval *ik, con
     double moved[4] = {kj->v[0], kj->v[1], kj->v[2], kj->v[3]};
     double sum = 0;
     double size = sqrt(pc_blockval_square(form, ik) * pc_blockval_square(form, kj));
-    if (form == PC_FORM_DENSE) {
-        for (int r = 0; r < 16; r++) {
-            const double *row = ik->v + r / 4 * 4;
-            const double *column = kj->v + r % 4;
-            sum -= 0.25 * ij->v[r] *
-                   (row[0] * column[0] + row[1] * column[4] + row[2] * column[8] + row[3] * column[12]);
-        }
-        return size > 0 ? sum / size : 0;
-    }
     if (form == PC_FORM_TURNED) {
         if (((ik->turn + kj->turn - ij->turn) & 3) != 0) return 0;
         pc_turn_diagonal(moved, ik->turn, kj->v);
@@ -79,44 +63,52 @@ PC_ALWAYS_INLINE bool repels(pc_block_form form, const pc_blockmat *a, pc_index 
     return score < 0;
 }
 
-PC_ALWAYS_INLINE void find_strong_row(pc_block_form form, float *size, uint8_t *eligible,
-                                      const pc_blockmat *a, double threshold, pc_index i) {
-    double d = mean_diagonal(a, i);
+PC_ALWAYS_INLINE void size_row(pc_block_form form, float *size, uint8_t *eligible, uint8_t *dominated,
+                               const pc_blockmat *a, pc_index i) {
+    const double rounding = 1e-5;
+    double d = pc_blockmat_mean_diagonal(a, i);
     double total = 0;
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
-        double square = square_of(form, a, e);
-        double of_j = mean_diagonal(a, a->column[e]);
-        bool is_strong = square > threshold * threshold * d * of_j && !repels(form, a, i, e, square);
-        total += sqrt(square);
-        size[e] = is_strong ? (float)sqrt(square) : 0;
+        size[e] = a->column[e] == i ? 0 : (float)sqrt(square_of(form, a, e));
+        total += (double)size[e];
     }
     eligible[i] = total > ruled_by_diagonal * d;
+    dominated[i] = total > (1 + rounding) * d;
+}
+
+/* A coupling that repels makes the diagonals of both its rows smaller than their couplings. */
+PC_ALWAYS_INLINE void drop_weak(pc_block_form form, float *size, const uint8_t *dominated,
+                                const pc_blockmat *a, double threshold, pc_index i) {
+    double d = threshold * threshold * pc_blockmat_mean_diagonal(a, i);
+    for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
+        double square = (double)size[e] * (double)size[e];
+        pc_index j = a->column[e];
+        if (!(square > d * pc_blockmat_mean_diagonal(a, j)) ||
+            (dominated[i] && dominated[j] && repels(form, a, i, e, square)))
+            size[e] = 0;
+    }
 }
 
 /* The sizes of strong couplings (0 for the others), and the rows that take part. */
-static void find_strong(float *size, uint8_t *eligible, const pc_blockmat *a, double threshold) {
-#define ROW(form, i) find_strong_row(form, size, eligible, a, threshold, i)
-    PC_EACH_ROW(a->form, a->row_count, ROW);
-#undef ROW
+static pc_status find_strong(float *size, uint8_t *eligible, pc_context *ctx, const pc_blockmat *a,
+                             double threshold) {
+    uint8_t *dominated = NULL;
+    pc_status status = pc_new(&dominated, ctx, a->row_count);
+    if (status != PC_OK) return status;
+#define SIZE(form, i) size_row(form, size, eligible, dominated, a, i)
+    PC_EACH_ROW(a->form, a->row_count, SIZE);
+#undef SIZE
+#define DROP(form, i) drop_weak(form, size, dominated, a, threshold, i)
+    PC_EACH_ROW(a->form, a->row_count, DROP);
+#undef DROP
+    pc_free(ctx, dominated);
+    return PC_OK;
 }
 
-static void take_row(pc_aggregates *g, pc_index row, pc_index group, pc_index via) {
-    g->of[row] = group;
+/* Groups go by their roots' rows until they are numbered. */
+static void take_row(pc_aggregates *g, pc_index row, pc_index root, pc_index via) {
+    g->of[row] = root;
     g->via[row] = via;
-}
-
-/* The strongest neighbour for which `accept` holds, PC_NONE if none. */
-static pc_index strongest(const pc_blockmat *a, const float *size, const pc_index *of, pc_index row,
-                          pc_index below) {
-    pc_index best = PC_NONE;
-    float best_size = 0;
-    for (size_t e = a->start[row]; e < a->start[row + 1]; e++) {
-        if (size[e] > best_size && of[a->column[e]] < below) {
-            best = a->column[e];
-            best_size = size[e];
-        }
-    }
-    return best;
 }
 
 static bool all_free(const pc_aggregates *g, const pc_blockmat *a, const float *size, pc_index row) {
@@ -128,26 +120,77 @@ static bool all_free(const pc_aggregates *g, const pc_blockmat *a, const float *
 
 static void found_group(pc_aggregates *g, const pc_blockmat *a, const float *size, const uint8_t *eligible,
                         pc_index row) {
-    take_row(g, row, g->count, row);
+    take_row(g, row, row, row);
     for (size_t e = a->start[row]; e < a->start[row + 1]; e++) {
         pc_index j = a->column[e];
-        if (size[e] > 0 && eligible[j] && g->of[j] == PC_NONE) take_row(g, j, g->count, row);
+        if (size[e] > 0 && eligible[j] && g->of[j] == PC_NONE) take_row(g, j, row, row);
     }
-    g->count++;
+}
+
+/* Whether all strong neighbours of a row are among the rows [from, to). */
+static bool lies_within(const pc_blockmat *a, const float *size, pc_index row, pc_index from, pc_index to) {
+    for (size_t e = a->start[row]; e < a->start[row + 1]; e++) {
+        if (size[e] > 0 && (a->column[e] < from || a->column[e] >= to)) return false;
+    }
+    return true;
+}
+
+/* Rows whose strong neighbours are all free found groups. Blocks of rows do so at the same time for the rows
+ * that touch no other block; those are put off until all blocks are done. The blocks do not depend on the
+ * threads. */
+static void found_groups(pc_aggregates *g, const pc_blockmat *a, const float *size, const uint8_t *eligible) {
+    enum { BLOCK = 16384 };
+    const pc_index n = a->row_count;
+    uint8_t *put_off = (uint8_t *)g->member;
+#pragma omp parallel for schedule(static) if (n > BLOCK)
+    for (pc_index from = 0; from < n; from += BLOCK) {
+        pc_index to = n - from < BLOCK ? n : from + BLOCK;
+        for (pc_index i = from; i < to; i++) {
+            put_off[i] = eligible[i] && !lies_within(a, size, i, from, to);
+            if (eligible[i] && !put_off[i] && g->of[i] == PC_NONE && all_free(g, a, size, i))
+                found_group(g, a, size, eligible, i);
+        }
+    }
+    for (pc_index i = 0; i < n; i++) {
+        if (put_off[i] && g->of[i] == PC_NONE && all_free(g, a, size, i))
+            found_group(g, a, size, eligible, i);
+    }
+}
+
+/* The strongest neighbour that is in a group, PC_NONE if none. */
+static pc_index strongest(const pc_blockmat *a, const float *size, const pc_index *of, pc_index row) {
+    pc_index best = PC_NONE;
+    float best_size = 0;
+    for (size_t e = a->start[row]; e < a->start[row + 1]; e++) {
+        if (size[e] > best_size && of[a->column[e]] != PC_NONE) {
+            best = a->column[e];
+            best_size = size[e];
+        }
+    }
+    return best;
+}
+
+/* From roots' rows to numbers in the order of the roots. */
+static void number_groups(pc_aggregates *g) {
+    pc_index *number = g->member;
+    for (pc_index i = 0; i < g->row_count; i++) {
+        if (g->of[i] == i) number[i] = g->count++;
+    }
+#pragma omp parallel for schedule(static)
+    for (pc_index i = 0; i < g->row_count; i++) {
+        if (g->of[i] != PC_NONE) g->of[i] = number[g->of[i]];
+    }
 }
 
 static void group_rows(pc_aggregates *g, const pc_blockmat *a, const float *size, const uint8_t *eligible) {
-    for (pc_index i = 0; i < a->row_count; i++) {
-        if (eligible[i] && g->of[i] == PC_NONE && all_free(g, a, size, i))
-            found_group(g, a, size, eligible, i);
-    }
+    pc_index *joined = g->member;
+    found_groups(g, a, size, eligible);
     /* Left over rows join the group of their strongest neighbour; frames then come from rows of the first
      * pass only. */
-    pc_index first_pass = g->count;
-    pc_index *joined = g->member;
+#pragma omp parallel for schedule(static)
     for (pc_index i = 0; i < a->row_count; i++) {
         joined[i] = PC_NONE;
-        if (eligible[i] && g->of[i] == PC_NONE) joined[i] = strongest(a, size, g->of, i, first_pass);
+        if (eligible[i] && g->of[i] == PC_NONE) joined[i] = strongest(a, size, g->of, i);
     }
     for (pc_index i = 0; i < a->row_count; i++) {
         if (joined[i] != PC_NONE) take_row(g, i, g->of[joined[i]], joined[i]);
@@ -155,6 +198,7 @@ static void group_rows(pc_aggregates *g, const pc_blockmat *a, const float *size
     for (pc_index i = 0; i < a->row_count; i++) {
         if (eligible[i] && g->of[i] == PC_NONE) found_group(g, a, size, eligible, i);
     }
+    number_groups(g);
 }
 
 static void list_members(pc_aggregates *g) {
@@ -184,11 +228,11 @@ pc_status pc_aggregates_make(pc_aggregates *aggregates, pc_context *ctx, const p
     PC_TRY(pc_new(&aggregates->of, ctx, n));
     PC_TRY(pc_new(&aggregates->via, ctx, n));
     PC_TRY(pc_new(&aggregates->member, ctx, n));
-    PC_TRY(pc_new(&size, ctx, matrix->start[n]));
+    PC_TRY(pc_resize(&size, ctx, matrix->start[n]));
     PC_TRY(pc_new(&eligible, ctx, n));
     memset(aggregates->of, 0xff, n * sizeof *aggregates->of);
     memset(aggregates->via, 0xff, n * sizeof *aggregates->via);
-    find_strong(size, eligible, matrix, threshold);
+    PC_TRY(find_strong(size, eligible, ctx, matrix, threshold));
     group_rows(aggregates, matrix, size, eligible);
     PC_TRY(pc_new(&aggregates->start, ctx, (size_t)aggregates->count + 1));
     list_members(aggregates);
@@ -228,58 +272,51 @@ static void identity_frame(pc_block_form form, const frames *f, pc_index i) {
     const int n = pc_form_size(form);
     float *v = f->value + (size_t)n * i;
     for (int k = 0; k < n; k++)
-        v[k] = form == PC_FORM_DENSE ? k % 5 == 0 : form == PC_FORM_SCALAR ? 1 : (k & 1) == 0;
+        v[k] = (k & 1) == 0;
     if (f->turn) f->turn[i] = 0;
 }
 
-/* out = a * frame of row j, with a's signs changed. For TURNED, the product's turn is returned. */
+/* out = -a * frame of row j. For TURNED, the product's turn is returned. */
 PC_ALWAYS_INLINE int carried(pc_block_form form, double *out, const pc_blockval *a, const frames *f,
                              pc_index j) {
     const int n = pc_form_size(form);
-    const float *from = f->value + (size_t)n * j;
-    memset(out, 0, 16 * sizeof *out);
-    if (form == PC_FORM_TURNED) {
-        double in[4] = {(double)from[0], (double)from[1], (double)from[2], (double)from[3]};
-        double moved[4];
-        pc_turn_diagonal(moved, a->turn, in);
-        for (int half = 0; half < 4; half += 2) {
-            out[half] = -(a->v[half] * moved[half] - a->v[half + 1] * moved[half + 1]);
-            out[half + 1] = -(a->v[half] * moved[half + 1] + a->v[half + 1] * moved[half]);
-        }
-        return (a->turn + f->turn[j]) & 3;
+    double from[4];
+    for (int k = 0; k < n; k++) {
+        from[k] = -(double)f->value[(size_t)n * j + (size_t)k];
+        out[k] = 0;
     }
-    pc_blockval_add_product(form, out, a, from, -1);
-    return 0;
+    pc_blockval_add_product(form, out, a, from);
+    return form == PC_FORM_TURNED ? (a->turn + f->turn[j]) & 3 : 0;
 }
 
 PC_ALWAYS_INLINE void put_frame(pc_block_form form, const frames *f, pc_index i, double *m, int turn) {
     const int n = pc_form_size(form);
-    double q[16];
-    if (form == PC_FORM_DENSE) {
-        (void)pc_smallmat_polar4(q, m);
-        m = q;
-    } else {
-        for (int half = 0; half < n; half += 2)
-            unit_pair(m + half);
-    }
+    for (int half = 0; half < n; half += 2)
+        unit_pair(m + half);
     for (int k = 0; k < n; k++)
         f->value[(size_t)n * i + (size_t)k] = (float)m[k];
     if (form == PC_FORM_TURNED) f->turn[i] = (uint8_t)turn;
 }
 
-static size_t entry_of(const pc_blockmat *a, pc_index i, pc_index j) {
-    size_t e = a->start[i];
-    while (a->column[e] != j)
-        e++;
-    return e;
+/* The entry (i,j); of several the largest. */
+PC_ALWAYS_INLINE void load_entry(pc_block_form form, pc_blockval *b, const pc_blockmat *a, pc_index i,
+                                 pc_index j) {
+    double largest = -1;
+    *b = (pc_blockval){.turn = 0};
+    for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
+        if (a->column[e] != j) continue;
+        double square = square_of(form, a, e);
+        if (square > largest) pc_blockval_load(form, b, a, e);
+        largest = fmax(largest, square);
+    }
 }
 
 /* Hands row i its frame from row via[i]. */
 PC_ALWAYS_INLINE void carry(pc_block_form form, const frames *f, const pc_blockmat *a, pc_index i,
                             pc_index via) {
     pc_blockval b;
-    double out[16];
-    pc_blockval_load(form, &b, a, entry_of(a, i, via));
+    double out[4];
+    load_entry(form, &b, a, i, via);
     int turn = carried(form, out, &b, f, via);
     put_frame(form, f, i, out, turn);
 }
@@ -289,13 +326,13 @@ PC_ALWAYS_INLINE void carry(pc_block_form form, const frames *f, const pc_blockm
 PC_ALWAYS_INLINE void relax_row(pc_block_form form, const frames *f, const pc_blockmat *a,
                                 const pc_aggregates *g, pc_index i) {
     const int n = pc_form_size(form);
-    double sum[16] = {0};
+    double sum[4] = {0};
     double size = 0;
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
         pc_index j = a->column[e];
-        if (g->of[j] != g->of[i]) continue;
+        if (g->of[j] != g->of[i] || j == i) continue;
         pc_blockval b;
-        double out[16];
+        double out[4];
         pc_blockval_load(form, &b, a, e);
         int turn = carried(form, out, &b, f, j);
         if (form == PC_FORM_TURNED && turn != f->turn[i]) continue;
@@ -342,23 +379,20 @@ pc_status pc_aggregates_transport(pc_blockmat *tentative, pc_context *ctx, const
     const size_t size = (size_t)pc_form_size(form);
     frames f = {0};
     *tentative = (pc_blockmat){0};
-    PC_TRY(pc_new(&f.value, ctx, size * matrix->row_count));
+    PC_TRY(pc_resize(&f.value, ctx, size * matrix->row_count));
     if (form == PC_FORM_TURNED) PC_TRY(pc_new(&f.turn, ctx, matrix->row_count));
 #define GROUP(form_of, group) transport(form_of, &f, matrix, aggregates, group)
     PC_EACH_ROW(form, aggregates->count, GROUP);
 #undef GROUP
-    PC_TRY(pc_blockmat_make(tentative, ctx, pc_form_coarse(form), matrix->row_count, aggregates->count,
+    PC_TRY(pc_blockmat_make(tentative, ctx, form, matrix->row_count, aggregates->count,
                             aggregates->start[aggregates->count], false));
     pc_index e = 0;
-    const size_t coarse = (size_t)pc_form_size(tentative->form);
     for (pc_index i = 0; i < matrix->row_count; i++) {
         tentative->start[i] = e;
         if (aggregates->of[i] == PC_NONE) continue;
         tentative->column[e] = aggregates->of[i];
-        if (form == PC_FORM_TURNED)
-            pc_turned_dense(tentative->value + coarse * e, f.value + size * i, f.turn[i]);
-        else
-            memcpy(tentative->value + coarse * e, f.value + size * i, size * sizeof(float));
+        if (tentative->turn) tentative->turn[e] = f.turn[i];
+        memcpy(tentative->value + size * e, f.value + size * i, size * sizeof(float));
         e++;
     }
     tentative->start[matrix->row_count] = e;

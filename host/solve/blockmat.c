@@ -11,9 +11,10 @@ pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form f
         return pc_fail(ctx, PC_E_MESH, "a multigrid level of %zu couplings is beyond 32-bit offsets",
                        entries);
     PC_TRY(pc_new(&matrix->start, ctx, (size_t)rows + 1));
-    PC_TRY(pc_new(&matrix->column, ctx, entries));
-    PC_TRY(pc_new(&matrix->value, ctx, entries * (size_t)pc_form_size(form)));
-    if (form == PC_FORM_TURNED) PC_TRY(pc_new(&matrix->turn, ctx, entries));
+    /* Grown from nothing: these are the large ones, and whoever makes them fills them. */
+    PC_TRY(pc_resize(&matrix->column, ctx, entries));
+    PC_TRY(pc_resize(&matrix->value, ctx, entries * (size_t)pc_form_size(form)));
+    if (form == PC_FORM_TURNED) PC_TRY(pc_resize(&matrix->turn, ctx, entries));
     if (square) {
         PC_TRY(pc_new(&matrix->diagonal, ctx, (size_t)rows * (size_t)pc_form_diagonal(form)));
         PC_TRY(pc_new(&matrix->inverse, ctx, (size_t)rows * (size_t)pc_form_diagonal(form)));
@@ -50,7 +51,7 @@ PC_ALWAYS_INLINE void add_entry(pc_block_form form, float *sum, const pc_blockma
     } else if (form == PC_FORM_COMPLEX) {
         sum[0] += v[0] * u[0] - v[1] * u[1];
         sum[1] += v[0] * u[1] + v[1] * u[0];
-    } else if (form == PC_FORM_TURNED) {
+    } else {
         int t = a->turn[e];
         int first = (t & 1) ? 2 : 0;
         float p = u[first];
@@ -61,23 +62,14 @@ PC_ALWAYS_INLINE void add_entry(pc_block_form form, float *sum, const pc_blockma
         sum[1] += v[0] * p_im + v[1] * p;
         sum[2] += v[2] * q - v[3] * q_im;
         sum[3] += v[2] * q_im + v[3] * q;
-    } else {
-        for (int r = 0; r < 4; r++)
-            sum[r] += v[4 * r] * u[0] + v[4 * r + 1] * u[1] + v[4 * r + 2] * u[2] + v[4 * r + 3] * u[3];
     }
 }
 
-/* y = scale D x with D one number or a dense block */
+/* y = scale D x */
 PC_ALWAYS_INLINE void times_diagonal(pc_block_form form, float *y, const float *diagonal, const float *x,
                                      float scale) {
-    if (form == PC_FORM_DENSE) {
-        for (int r = 0; r < 4; r++)
-            y[r] = scale * (diagonal[4 * r] * x[0] + diagonal[4 * r + 1] * x[1] + diagonal[4 * r + 2] * x[2] +
-                            diagonal[4 * r + 3] * x[3]);
-    } else {
-        for (int r = 0; r < pc_form_width(form); r++)
-            y[r] = scale * diagonal[0] * x[r];
-    }
+    for (int r = 0; r < pc_form_width(form); r++)
+        y[r] = scale * diagonal[r / 2] * x[r];
 }
 
 /* sum = (A x)_i */

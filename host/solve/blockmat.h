@@ -5,21 +5,22 @@
 
 #include "system.h"
 
-/* The first three as in pc_block_kind; dense blocks are 4x4, row-major: what TURNED becomes on coarse levels.
- */
-typedef enum pc_block_form { PC_FORM_SCALAR, PC_FORM_COMPLEX, PC_FORM_TURNED, PC_FORM_DENSE } pc_block_form;
+/* As in pc_block_kind. Sums of TURNED blocks of different turns, as they come up around singularities, are
+ * kept apart: a row may hold a column up to four times, once for each turn, and its own column for the turns
+ * 1 to 3. Every real 4x4 block is such a sum; nearly all have one term. */
+typedef enum pc_block_form { PC_FORM_SCALAR, PC_FORM_COMPLEX, PC_FORM_TURNED } pc_block_form;
 
 typedef struct pc_blockmat {
     pc_block_form form;
     pc_index row_count;
     pc_index column_count;
     pc_index *start;
-    pc_index *column;
-    float *value;  /* 1, 2, 4 or 16 per entry */
-    uint8_t *turn; /* TURNED only */
-    float
-        *diagonal; /* square matrices: apart from the entries, 1 per row (16 for DENSE); NULL for transfers */
-    float *inverse; /* of the diagonal, same shape */
+    pc_index *column; /* ascending in a row, but for prolongators */
+    float *value;     /* 1, 2 or 4 per entry */
+    uint8_t *turn;    /* TURNED only */
+    float *diagonal;  /* square matrices: apart from the entries, 1 per row, for TURNED one for U and one for
+                         V; NULL for transfers */
+    float *inverse;   /* of the diagonal, same shape */
     const double
         *exact; /* level 0 while the hierarchy is built: the entries in double, not owned; else NULL */
     const double *exact_diagonal;
@@ -31,10 +32,10 @@ static inline int pc_form_width(pc_block_form form) {
     return form == PC_FORM_SCALAR ? 1 : form == PC_FORM_COMPLEX ? 2 : 4;
 }
 static inline int pc_form_size(pc_block_form form) {
-    return form == PC_FORM_SCALAR ? 1 : form == PC_FORM_COMPLEX ? 2 : form == PC_FORM_TURNED ? 4 : 16;
+    return pc_form_width(form);
 }
 static inline int pc_form_diagonal(pc_block_form form) {
-    return form == PC_FORM_DENSE ? 16 : 1;
+    return form == PC_FORM_TURNED ? 2 : 1;
 }
 
 /* Arrays for the given counts; `square` adds the diagonals. */
@@ -43,6 +44,13 @@ pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form f
 /* Frees all but the diagonals of a square matrix. */
 void pc_blockmat_free_couplings(pc_blockmat *matrix, pc_context *ctx);
 void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx);
+
+/* Of the diagonal of row i. */
+static inline double pc_blockmat_mean_diagonal(const pc_blockmat *matrix, pc_index i) {
+    const float *d = matrix->diagonal;
+    return matrix->form == PC_FORM_TURNED ? 0.5 * ((double)d[2 * (size_t)i] + (double)d[2 * (size_t)i + 1])
+                                          : (double)d[i];
+}
 
 /* y = A x (square: with its diagonal). */
 void pc_blockmat_apply(float *y, const pc_blockmat *matrix, const float *x);

@@ -1,8 +1,9 @@
 #include "devmat.h"
+#include "eachrow.h"
 #include "memory.h"
 #include <string.h>
 
-enum { SLICE = 8, WINDOW = 256, PART_STEP = 512, TURN_SHIFT = 30 };
+enum { WINDOW = 256, PART_STEP = 4096, TURN_SHIFT = 30 };
 /* A part is kept below this whatever the device allows: large single buffers are what drivers get wrong. */
 static const size_t largest_part = (size_t)1 << 30;
 
@@ -10,7 +11,7 @@ pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_block
     enum { LONGEST = 64 };
     pc_status status = PC_OK;
     const pc_index n = matrix->row_count;
-    *order = (pc_row_order){.count = n, .padded = (n + SLICE - 1) / SLICE * SLICE};
+    *order = (pc_row_order){.count = n};
     PC_TRY(pc_new(&order->row, ctx, n));
     PC_TRY(pc_new(&order->place, ctx, n));
     for (pc_index window = 0; window < n; window += WINDOW) {
@@ -19,7 +20,7 @@ pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_block
         pc_index at[LONGEST + 2] = {0};
         for (pc_index i = window; i < end; i++) {
             pc_index length = matrix->start[i + 1] - matrix->start[i];
-            if (length > LONGEST || matrix->form == PC_FORM_DENSE) length = LONGEST;
+            if (length > LONGEST) length = LONGEST;
             order->place[i] = LONGEST - length;
             at[LONGEST - length + 1]++;
         }
@@ -66,18 +67,8 @@ static pc_index slice_length(const copying *c, pc_index slice) {
 }
 
 /* Where number k of the block in a lane goes within a slice's entry. */
-static inline size_t value_place(pc_block_form form, pc_index lane, size_t k) {
-    switch (form) {
-    case PC_FORM_SCALAR:
-        return lane;
-    case PC_FORM_COMPLEX:
-        return 2 * (size_t)lane + k;
-    case PC_FORM_TURNED:
-        return 16 * (k / 2) + 2 * (size_t)lane + k % 2;
-    case PC_FORM_DENSE:
-        break;
-    }
-    return k;
+PC_ALWAYS_INLINE size_t value_place(pc_block_form form, pc_index rows, pc_index lane, size_t k) {
+    return form == PC_FORM_SCALAR ? lane : 2 * (rows * (k / 2) + lane) + k % 2;
 }
 
 /* Arrays of one part on the host. */
@@ -88,33 +79,37 @@ typedef struct staged {
     double *exact;
 } staged;
 
-static void stage_slice(const copying *c, staged *s, pc_index slice, pc_index at) {
+/* Entry k of a row, or padding, into its lane of a slice's entry. */
+PC_ALWAYS_INLINE void stage_entry(pc_block_form form, const copying *c, staged *s, size_t to, pc_index lane,
+                                  size_t e, bool padding) {
     const pc_blockmat *m = c->matrix;
-    const size_t size = (size_t)pc_form_size(m->form);
-    const pc_index length = slice_length(c, slice);
+    const size_t size = (size_t)pc_form_size(form);
+    const size_t rows = c->slice_rows;
+    pc_index *column = &s->column[to * rows + lane];
+    if (padding) {
+        /* It reads what its row reads anyway. */
+        *column = e > 0 ? c->columns->place[m->column[e - 1]] : 0;
+    } else {
+        *column = c->columns->place[m->column[e]];
+        if (form == PC_FORM_TURNED) *column |= (pc_index)m->turn[e] << TURN_SHIFT;
+    }
+    for (size_t u = 0; u < size; u++) {
+        size_t at = to * rows * size + value_place(form, (pc_index)rows, lane, u);
+        s->value[at] = padding ? 0 : m->value[size * e + u];
+        if (s->exact) s->exact[at] = padding ? 0 : c->exact->value[size * e + u];
+    }
+}
+
+PC_ALWAYS_INLINE void stage_slice(pc_block_form form, const copying *c, staged *s, pc_index slice,
+                                  pc_index at, pc_index length) {
     for (pc_index lane = 0; lane < c->slice_rows; lane++) {
         pc_index place = slice * c->slice_rows + lane;
         pc_index own = row_length(c, place);
-        pc_index from = own > 0 ? m->start[c->rows->row[place]] : 0;
-        for (pc_index k = 0; k < length; k++) {
-            size_t to = (size_t)at + k;
-            pc_index *column = &s->column[to * c->slice_rows + lane];
-            if (k >= own) {
-                /* Padding reads what its row reads anyway. */
-                *column = k > 0
-                              ? s->column[(to - 1) * c->slice_rows + lane] & (((pc_index)1 << TURN_SHIFT) - 1)
-                              : 0;
-                continue;
-            }
-            size_t e = (size_t)from + k;
-            *column = c->columns->place[m->column[e]];
-            if (m->turn) *column |= (pc_index)m->turn[e] << TURN_SHIFT;
-            for (size_t u = 0; u < size; u++) {
-                size_t place_of = to * c->slice_rows * size + value_place(m->form, lane, u);
-                s->value[place_of] = m->value[size * e + u];
-                if (s->exact) s->exact[place_of] = c->exact->value[size * e + u];
-            }
-        }
+        size_t from = own > 0 ? c->matrix->start[c->rows->row[place]] : 0;
+        for (pc_index k = 0; k < own; k++)
+            stage_entry(form, c, s, (size_t)at + k, lane, from + k, false);
+        for (pc_index k = own; k < length; k++)
+            stage_entry(form, c, s, (size_t)at + k, lane, own > 0 ? from + own : 0, true);
     }
 }
 
@@ -123,14 +118,14 @@ static pc_status upload_part(pc_devmat_part *part, pc_context *ctx, pc_device *d
     staged s = {0};
     const size_t wide = (size_t)c->slice_rows * (size_t)pc_form_size(c->matrix->form);
     PC_TRY(pc_new(&s.start, ctx, (size_t)part->slices + 1));
-    PC_TRY(pc_new(&s.column, ctx, part->entries * c->slice_rows));
-    PC_TRY(pc_new(&s.value, ctx, part->entries * wide));
-    if (c->exact) PC_TRY(pc_new(&s.exact, ctx, part->entries * wide));
+    PC_TRY(pc_resize(&s.column, ctx, part->entries * c->slice_rows));
+    PC_TRY(pc_resize(&s.value, ctx, part->entries * wide));
+    if (c->exact) PC_TRY(pc_resize(&s.exact, ctx, part->entries * wide));
     for (pc_index k = 0; k < part->slices; k++)
         s.start[k + 1] = s.start[k] + slice_length(c, part->first + k);
-#pragma omp parallel for schedule(static)
-    for (pc_index k = 0; k < part->slices; k++)
-        stage_slice(c, &s, part->first + k, s.start[k]);
+#define SLICE(form, k) stage_slice(form, c, &s, part->first + (k), s.start[k], s.start[(k) + 1] - s.start[k])
+    PC_EACH_ROW(c->matrix->form, part->slices, SLICE);
+#undef SLICE
     /* Each array goes as soon as it is copied: these are the moments of most memory. */
     PC_TRY(pc_buffer_from(&part->start, ctx, device, s.start, ((size_t)part->slices + 1) * sizeof *s.start));
     PC_TRY(pc_buffer_from(&part->column, ctx, device, s.column,
@@ -156,8 +151,9 @@ static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, si
     const size_t bytes = c->slice_rows * (unit > sizeof(pc_index) ? unit : sizeof(pc_index));
     pc_devmat_part now = {0};
     int count = 0;
-    for (pc_index step = 0; step < slices; step += PART_STEP) {
-        pc_index end = slices - step < PART_STEP ? slices : step + PART_STEP;
+    const pc_index wide = PART_STEP / c->slice_rows;
+    for (pc_index step = 0; step < slices; step += wide) {
+        pc_index end = slices - step < wide ? slices : step + wide;
         size_t entries = 0;
         for (pc_index s = step; s < end; s++)
             entries += slice_length(c, s);
@@ -208,10 +204,10 @@ done:
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
                          const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact) {
     pc_status status = PC_OK;
-    copying c = {matrix, rows, columns, exact, matrix->form == PC_FORM_DENSE ? 1 : SLICE};
+    copying c = {matrix, rows, columns, exact, pc_devmat_slice_rows(device)};
     size_t cap = pc_device_allocation_cap(device);
     if (cap > largest_part) cap = largest_part;
-    *out = (pc_devmat){.form = matrix->form, .row_count = matrix->row_count};
+    *out = (pc_devmat){.form = matrix->form, .row_count = matrix->row_count, .slice_rows = c.slice_rows};
     out->slice_count = (matrix->row_count + c.slice_rows - 1) / c.slice_rows;
     int count = cut_parts(NULL, &c, out->slice_count, cap);
     PC_TRY(pc_new(&out->part, ctx, (size_t)count));

@@ -8,7 +8,7 @@ extern const char pc_kernel_cycle[];
 extern const char pc_kernel_conjugate[];
 
 /* As in conjugate.cl and cycle.cl. */
-enum { CHUNK_SLICES = 512, CHUNK = 4096, GROUP = 128, SLICE = 8 };
+enum { CHUNK_SLICES = 512, CHUNK = 4096, GROUP = 128 };
 enum { SCALAR_PQ = 0, SCALAR_RR = 1, SCALAR_RZ = 2, SCALARS = 4 };
 enum { APPLY, ADD, RESIDUAL, SMOOTH };
 
@@ -32,16 +32,17 @@ struct pc_devsolve {
     pc_index direct_count;
     pc_buffer *diagonal; /* double */
     pc_buffer *x, *b, *r, *p, *q, *partial, *scalars;
-    pc_kernel *cycle[4], *first, *solve_direct, *product, *begin, *step, *angle, *direction, *finish;
+    pc_kernel *cycle, *first, *solve_direct, *product, *begin, *step, *angle, *direction, *finish;
 };
 
 static pc_status get_kernels(pc_devsolve *s, pc_context *ctx, pc_block_form form) {
-    static const char *const cycle[4] = {"cycle_scalar", "cycle_complex", "cycle_turned", "cycle_dense"};
+    static const char *const cycle[3] = {"cycle_scalar", "cycle_complex", "cycle_turned"};
     static const char *const product[3] = {"conjugate_scalar", "conjugate_complex", "conjugate_turned"};
     const struct {
         pc_kernel **kernel;
         const char *source, *name;
     } wanted[] = {
+        {&s->cycle, pc_kernel_cycle, cycle[form]},
         {&s->first, pc_kernel_cycle, "cycle_first"},
         {&s->solve_direct, pc_kernel_cycle, "cycle_direct"},
         {&s->product, pc_kernel_conjugate, product[form]},
@@ -52,8 +53,6 @@ static pc_status get_kernels(pc_devsolve *s, pc_context *ctx, pc_block_form form
         {&s->finish, pc_kernel_conjugate, "conjugate_finish"},
     };
     pc_status status = PC_OK;
-    for (int k = 0; k < 4; k++)
-        PC_TRY(pc_kernel_get(&s->cycle[k], ctx, s->device, pc_kernel_cycle, cycle[k]));
     for (size_t k = 0; k < sizeof wanted / sizeof *wanted; k++)
         PC_TRY(pc_kernel_get(wanted[k].kernel, ctx, s->device, wanted[k].source, wanted[k].name));
 done:
@@ -184,7 +183,7 @@ void pc_devsolve_free(pc_devsolve *solve, pc_context *ctx) {
 static pc_status product(pc_devsolve *s, pc_context *ctx, const pc_devmat *m, int mode, const pc_buffer *y,
                          const pc_buffer *x, const pc_buffer *b, const pc_buffer *d, float alpha,
                          float beta) {
-    const size_t rows = m->form == PC_FORM_DENSE ? 1 : SLICE;
+    const size_t rows = m->slice_rows;
     const size_t entry = rows * ((size_t)pc_form_size(m->form) + 1) * sizeof(float);
     const size_t row = rows * (size_t)s->width * sizeof(float);
     static const int passes[4] = {2, 3, 3, 6};
@@ -202,7 +201,7 @@ static pc_status product(pc_devsolve *s, pc_context *ctx, const pc_devmat *m, in
         double bytes =
             (double)part->entries * (double)entry + (double)part->slices * passes[mode] * (double)row;
         pc_status status = pc_kernel_run(
-            ctx, s->cycle[m->form], items, s->shape == PC_SHAPE_CHUNK ? 1 : 0, bytes,
+            ctx, s->cycle, items, s->shape == PC_SHAPE_CHUNK ? 1 : 0, bytes,
             PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value), PC_BUF(diagonal),
                     PC_BUF(inverse), PC_BUF(x), PC_BUF(b ? b : x), PC_BUF(y), PC_BUF(d ? d : y),
                     PC_U32(part->first), PC_U32(part->slices), PC_U32((uint32_t)per_item),
@@ -216,12 +215,12 @@ static pc_status smooth_first(pc_devsolve *s, pc_context *ctx, const devlevel *l
     const size_t rows = pc_devmat_padded(&level->matrix);
     const bool chunks = s->shape == PC_SHAPE_CHUNK;
     const size_t per_item = chunks ? 2048 : 1;
-    const int width = level->matrix.form == PC_FORM_DENSE ? 16 : s->width;
-    return pc_kernel_run(
-        ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
-        (double)rows * (3.0 * s->width + pc_form_diagonal(level->matrix.form)) * sizeof(float),
-        PC_ARGS(PC_BUF(level->matrix.inverse), PC_BUF(level->b), PC_BUF(level->x), PC_BUF(level->d),
-                PC_U32((uint32_t)rows), PC_U32((uint32_t)width), PC_U32((uint32_t)per_item), PC_F32(beta)));
+    return pc_kernel_run(ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
+                         (double)rows * (3.0 * s->width + pc_form_diagonal(level->matrix.form)) *
+                             sizeof(float),
+                         PC_ARGS(PC_BUF(level->matrix.inverse), PC_BUF(level->b), PC_BUF(level->x),
+                                 PC_BUF(level->d), PC_U32((uint32_t)rows), PC_U32((uint32_t)s->width),
+                                 PC_U32((uint32_t)per_item), PC_F32(beta)));
 }
 
 static pc_status smooth(pc_devsolve *s, pc_context *ctx, devlevel *level, int from) {
@@ -287,20 +286,20 @@ static pc_status finish(pc_devsolve *s, pc_context *ctx, size_t count, int slot)
 static pc_status outer_product(pc_devsolve *s, pc_context *ctx, const pc_buffer *q, const pc_buffer *p) {
     const bool chunks = s->shape == PC_SHAPE_CHUNK;
     const pc_devmat *m = &s->level[0].matrix;
-    const size_t entry = SLICE * ((size_t)pc_form_size(m->form) * sizeof(double) + sizeof(pc_index));
+    const size_t entry = m->slice_rows * ((size_t)pc_form_size(m->form) * sizeof(double) + sizeof(pc_index));
     pc_status status = PC_OK;
     for (int k = 0; k < m->part_count; k++) {
         const pc_devmat_part *part = &m->part[k];
         size_t items = chunks ? (part->slices + CHUNK_SLICES - 1) / CHUNK_SLICES
-                              : (SLICE * (size_t)part->slices + GROUP - 1) / GROUP * GROUP;
+                              : (m->slice_rows * (size_t)part->slices + GROUP - 1) / GROUP * GROUP;
         double bytes = (double)part->entries * (double)entry +
-                       (double)part->slices * SLICE * (2.0 * s->width + 1) * sizeof(double);
+                       (double)part->slices * m->slice_rows * (2.0 * s->width + 1) * sizeof(double);
         PC_TRY(pc_kernel_run(ctx, s->product, items, chunks ? 1 : GROUP, bytes,
                              PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->exact),
                                      PC_BUF(s->diagonal), PC_BUF(p), PC_BUF(q), PC_BUF(s->partial),
                                      PC_U32(part->first), PC_U32(part->slices))));
     }
-    size_t rows = SLICE * (size_t)m->slice_count;
+    size_t rows = pc_devmat_padded(m);
     status = finish(s, ctx,
                     chunks ? (m->slice_count + CHUNK_SLICES - 1) / CHUNK_SLICES : (rows + GROUP - 1) / GROUP,
                     SCALAR_PQ);

@@ -20,15 +20,25 @@ static float hashed(size_t i) {
     return (float)(pc_hash64(i) >> 40) * 0x1p-23F - 1;
 }
 
-static double square_sum(const float *x, size_t n) {
+/* sum x_i y_i in fixed blocks */
+static double product_sum(const float *x, const float *y, size_t n) {
     enum { BLOCK = 4096 };
     double total = 0;
     for (size_t at = 0; at < n; at += BLOCK) {
         float sum = 0;
         for (size_t i = at; i < n && i < at + BLOCK; i++)
-            sum += x[i] * x[i];
+            sum += x[i] * y[i];
         total += (double)sum;
     }
+    return total;
+}
+
+/* x^T D x */
+static double weighted_square_sum(const float *x, const pc_blockmat *a, size_t n) {
+    const size_t per_number = (size_t)pc_form_width(a->form) / (size_t)pc_form_diagonal(a->form);
+    double total = 0;
+    for (size_t i = 0; i < n; i++)
+        total += (double)(a->diagonal[i / per_number] * x[i] * x[i]);
     return total;
 }
 
@@ -37,32 +47,100 @@ static void divide(float *y, const pc_blockmat *a) {
     pc_blockmat_smooth_first(y, y, a, y, 1);
 }
 
-/* The largest eigenvalue of D^-1 A by power iteration, a little above what is found. */
+/* What no eigenvalue of D^-1 A exceeds (Gershgorin). Coupling sizes against the smaller diagonal of a row. */
+static double largest_possible(const pc_blockmat *a) {
+    const size_t width = (size_t)pc_form_size(a->form);
+    const size_t per_row = (size_t)pc_form_diagonal(a->form);
+    double largest = 0;
+#pragma omp parallel for schedule(static) reduction(max : largest)
+    for (pc_index i = 0; i < a->row_count; i++) {
+        double sum[2] = {0, 0};
+        for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
+            for (size_t k = 0; k < width; k += 2) {
+                double re = (double)a->value[width * e + k];
+                double im = width > 1 ? (double)a->value[width * e + k + 1] : 0;
+                sum[k / 2] += sqrt(re * re + im * im);
+            }
+        }
+        for (size_t k = 0; k < per_row; k++) {
+            double share = 1 + sum[k] / (double)a->diagonal[per_row * i + k];
+            if (share > largest) largest = share;
+        }
+    }
+    return largest;
+}
+
+/* The largest eigenvalue of a symmetric tridiagonal matrix, by bisection on the sign of its pivots. */
+static double largest_of_tridiagonal(const double *diagonal, const double *beside, int n) {
+    double low = 0;
+    double high = 0;
+    for (int i = 0; i < n; i++) {
+        double reach = (i > 0 ? fabs(beside[i - 1]) : 0) + (i + 1 < n ? fabs(beside[i]) : 0);
+        high = fmax(high, diagonal[i] + reach);
+    }
+    for (int step = 0; step < 40; step++) {
+        double middle = 0.5 * (low + high);
+        double pivot = 1;
+        bool above = true;
+        for (int i = 0; i < n && above; i++) {
+            double b = i > 0 ? beside[i - 1] : 0;
+            pivot = middle - diagonal[i] - b * b / pivot;
+            above = pivot > 0;
+        }
+        if (above)
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
+/* A little above the largest eigenvalue of D^-1 A. Rows that outweigh their couplings tell well enough; else
+ * Lanczos' method in the scalar product of D finds outliers that a power iteration of the same length would
+ * not see. */
 static pc_status find_largest(double *largest, pc_context *ctx, const pc_blockmat *a) {
-    enum { ITERATIONS = 12 };
+    enum { ITERATIONS = 10 };
+    const double enough = 2.01;
     size_t n = reals(a);
     float *x = NULL;
     float *y = NULL;
+    float *before = NULL;
+    double diagonal[ITERATIONS];
+    double beside[ITERATIONS];
+    int count = 0;
     pc_status status = PC_OK;
-    double found = 1;
+    double bound = largest_possible(a);
+    *largest = bound;
+    if (bound <= enough) return PC_OK;
     PC_TRY(pc_new(&x, ctx, n));
     PC_TRY(pc_new(&y, ctx, n));
+    PC_TRY(pc_new(&before, ctx, n));
     for (size_t i = 0; i < n; i++)
         x[i] = hashed(i);
-    double norm = sqrt(square_sum(x, n));
-    for (int k = 0; k < ITERATIONS && norm > 0; k++) {
+    double norm = sqrt(weighted_square_sum(x, a, n));
+    for (size_t i = 0; i < n; i++)
+        x[i] = (float)((double)x[i] / norm);
+    while (count < ITERATIONS) {
         pc_blockmat_apply(y, a, x);
+        diagonal[count] = product_sum(x, y, n);
         divide(y, a);
-        double next = sqrt(square_sum(y, n));
-        found = next / norm;
+        double last = count > 0 ? beside[count - 1] : 0;
         for (size_t i = 0; i < n; i++)
-            x[i] = (float)((double)y[i] / next);
-        norm = sqrt(square_sum(x, n));
+            y[i] -= (float)(diagonal[count] * (double)x[i] + last * (double)before[i]);
+        norm = sqrt(weighted_square_sum(y, a, n));
+        beside[count++] = norm;
+        if (!(norm > 1e-6)) break;
+        for (size_t i = 0; i < n; i++) {
+            before[i] = x[i];
+            x[i] = (float)((double)y[i] / norm);
+        }
     }
-    *largest = isfinite(found) && found > 1 ? 1.1 * found : 1.1;
+    double found = 1.05 * largest_of_tridiagonal(diagonal, beside, count);
+    if (isfinite(found) && found > 1 && found < bound) *largest = found;
 done:
     pc_free(ctx, x);
     pc_free(ctx, y);
+    pc_free(ctx, before);
     return status;
 }
 
@@ -100,8 +178,9 @@ static pc_status finest(pc_multigrid *mg, pc_context *ctx, const pc_system *syst
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < entries * (size_t)pc_form_size(form); k++)
         a->value[k] = (float)(mg->scale * system->value[k]);
-    for (pc_index i = 0; i < n; i++)
-        a->diagonal[i] = (float)(mg->scale * system->diagonal[i]);
+    const size_t per_row = (size_t)pc_form_diagonal(form);
+    for (size_t i = 0; i < n * per_row; i++)
+        a->diagonal[i] = (float)(mg->scale * system->diagonal[i / per_row]);
     a->exact = system->value;
     a->exact_diagonal = system->diagonal;
     a->exact_scale = mg->scale;
@@ -135,7 +214,6 @@ done:
 static pc_status invert_last(pc_multigrid *mg, pc_context *ctx) {
     const pc_blockmat *a = &mg->level[mg->level_count - 1].matrix;
     const size_t n = reals(a);
-    const size_t w = (size_t)pc_form_width(a->form);
     pc_status status = PC_OK;
     double *m = NULL;
     float *unit = NULL;
@@ -145,7 +223,6 @@ static pc_status invert_last(pc_multigrid *mg, pc_context *ctx) {
     PC_TRY(pc_new(&unit, ctx, n));
     PC_TRY(pc_new(&column, ctx, n));
     PC_TRY(pc_new(&mg->inverse, ctx, n * n));
-    (void)w;
     for (size_t c = 0; c < n; c++) {
         unit[c] = 1;
         pc_blockmat_apply(column, a, unit);
@@ -163,32 +240,23 @@ done:
     return status;
 }
 
-static double mean_diagonal(const pc_blockmat *a, pc_index i) {
-    if (a->form != PC_FORM_DENSE) return (double)a->diagonal[i];
-    const float *d = a->diagonal + 16 * (size_t)i;
-    return 0.25 * ((double)d[0] + (double)d[5] + (double)d[10] + (double)d[15]);
-}
-
 static pc_status keep_first_diagonal(pc_level *level, pc_context *ctx) {
     pc_status status = pc_new(&level->first_diagonal, ctx, level->matrix.row_count);
     for (pc_index i = 0; status == PC_OK && i < level->matrix.row_count; i++)
-        level->first_diagonal[i] = (float)mean_diagonal(&level->matrix, i);
+        level->first_diagonal[i] = (float)pc_blockmat_mean_diagonal(&level->matrix, i);
     return status;
 }
 
 /* The mean diagonals of a level become those of the first time plus `change`. */
 static void raise_diagonal(pc_level *level, const double *change) {
     pc_blockmat *a = &level->matrix;
+    const size_t per_row = (size_t)pc_form_diagonal(a->form);
 #pragma omp parallel for schedule(static)
     for (pc_index i = 0; i < a->row_count; i++) {
         double wanted = (double)level->first_diagonal[i] + change[i];
-        if (a->form != PC_FORM_DENSE) {
-            a->diagonal[i] = (float)wanted;
-            continue;
-        }
-        double more = wanted - mean_diagonal(a, i);
-        for (int k = 0; k < 16; k += 5)
-            a->diagonal[16 * (size_t)i + (size_t)k] += (float)more;
+        float more = (float)(wanted - pc_blockmat_mean_diagonal(a, i));
+        for (size_t k = 0; k < per_row; k++)
+            a->diagonal[per_row * i + k] += more;
     }
     pc_galerkin_invert_diagonal(a);
 }

@@ -18,7 +18,7 @@ typedef struct pc_level {
     pc_blockmat prolongator; /* to this level from the next; empty on the last */
     pc_blockmat restriction;
     pc_aggregates aggregates;
-    float *first_diagonal; /* of the matrix as built; in the mean for DENSE */
+    float *first_diagonal; /* of the matrix as built; in the mean for TURNED */
     double largest;        /* eigenvalue of D^-1 A, estimated */
     pc_chebyshev chebyshev;
     float *x, *x_other, *d, *b, *r; /* of the host cycle */

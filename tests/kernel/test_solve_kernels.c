@@ -236,7 +236,7 @@ static void order_keeps_every_row(void **state) {
 /* One product of a level, kernel against reference. */
 static void compare_product(pc_context *ctx, pc_device *device, const pc_blockmat *m,
                             const pc_row_order *order) {
-    static const char *const names[4] = {"cycle_scalar", "cycle_complex", "cycle_turned", "cycle_dense"};
+    static const char *const names[3] = {"cycle_scalar", "cycle_complex", "cycle_turned"};
     const size_t w = (size_t)pc_form_width(m->form);
     const size_t n = w * m->row_count;
     pc_devmat on_device;

@@ -154,6 +154,31 @@ static void curl_of_a_ring_is_corrected(void **state) {
     drop(&s, ctx);
 }
 
+/* Along the parallels of a surface of revolution, however curved, a turn is a turn: the scale falls as 1/r.
+ */
+static void curl_of_a_torus_is_corrected(void **state) {
+    pc_context *ctx = *state;
+    stage s = {0};
+    double *scale = NULL, sum = 0, square = 0;
+    pc_curl_options options = PC_CURL_DEFAULTS;
+    options.quantile = 1;
+    assert_ok(ctx, pc_synth_torus(&s.mesh, ctx, 2, 0.8, 120, 60));
+    run(&s, ctx, &field_defaults);
+    assert_int_equal(pc_singularity_count(&s.field), 0);
+    assert_ok(ctx, pc_new(&scale, ctx, s.mesh.vertex_count));
+    assert_ok(ctx, pc_curl_correct(scale, ctx, s.device, &s.mesh, &s.adjacency, &s.field, &options));
+    for (pc_index v = 0; v < s.mesh.vertex_count; v++) {
+        const double *p = s.mesh.position + 3 * (size_t)v;
+        double x = log(scale[v] * hypot(p[0], p[1]));
+        sum += x / s.mesh.vertex_count;
+        square += x * x / s.mesh.vertex_count;
+    }
+    if (!(sqrt(fabs(square - sum * sum)) < 0.02))
+        fail_msg("log(scale r) varies by %g", sqrt(fabs(square - sum * sum)));
+    pc_free(ctx, scale);
+    drop(&s, ctx);
+}
+
 static void bad_options_are_refused(void **state) {
     pc_context *ctx = *state;
     stage s = {0};
@@ -201,6 +226,7 @@ int main(void) {
                                         free_context),
         cmocka_unit_test_setup_teardown(ragged_holes_are_passed_by, make_context, free_context),
         cmocka_unit_test_setup_teardown(curl_of_a_ring_is_corrected, make_context, free_context),
+        cmocka_unit_test_setup_teardown(curl_of_a_torus_is_corrected, make_context, free_context),
         cmocka_unit_test_setup_teardown(bad_options_are_refused, make_context, free_context),
         cmocka_unit_test_setup_teardown(survives_lack_of_memory, make_context, free_context),
     };

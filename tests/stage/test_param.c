@@ -4,10 +4,11 @@
 #include "singularity.h"
 
 static pc_param_stats parameterize(pc_param *param, pc_context *ctx, pc_device *device, const shape *s,
-                                   double period) {
+                                   double period, pc_pgp_scheme scheme) {
     pc_param_options options = PC_PARAM_DEFAULTS;
     pc_param_stats stats;
     options.period_length = period;
+    options.pgp.scheme = scheme;
     assert_ok(ctx,
               pc_param_make(param, &stats, ctx, device, &s->mesh, &s->adjacency, &s->field, NULL, &options));
     assert_ok(ctx, pc_param_check(param, ctx, &s->mesh, &s->adjacency));
@@ -62,7 +63,7 @@ static void plane_is_exact(void **state) {
         pc_param param;
         assert_ok(ctx, pc_synth_plane(&s.mesh, ctx, 8, 5, 40, 25));
         lay_field(&s, ctx, slanting, seed);
-        pc_param_stats stats = parameterize(&param, ctx, host, &s, 0.9);
+        pc_param_stats stats = parameterize(&param, ctx, host, &s, 0.9, (pc_pgp_scheme)(seed % 2));
         if (stats.energy > 1e-4 || stats.dislocations + stats.field_singularities + stats.flipped)
             fail_msg("seed %llu: energy %g, %u dislocations, %u singularities, %u flipped",
                      (unsigned long long)seed, stats.energy, stats.dislocations, stats.field_singularities,
@@ -82,7 +83,8 @@ static void cylinder_closes(void **state) {
         pc_param param;
         assert_ok(ctx, pc_synth_cylinder(&s.mesh, ctx, 4, 64, 40));
         lay_field(&s, ctx, upwards, seed);
-        pc_param_stats stats = parameterize(&param, ctx, host, &s, 2 * 64 * sin(PC_PI / 64) / 16);
+        pc_param_stats stats =
+            parameterize(&param, ctx, host, &s, 2 * 64 * sin(PC_PI / 64) / 16, (pc_pgp_scheme)(seed % 2));
         assert_int_equal(stats.dislocations + stats.field_singularities + stats.flipped, 0);
         pc_param_free(&param, ctx);
         free_shape(&s, ctx);
@@ -108,7 +110,7 @@ static void cones_are_the_fields(void **state) {
         pc_index expected = 0;
         make_mesh(&s.mesh, ctx, kind, 3);
         finish_shape(&s, ctx, host);
-        pc_param_stats stats = parameterize(&param, ctx, host, &s, 3 * s.longest_edge);
+        pc_param_stats stats = parameterize(&param, ctx, host, &s, 3 * s.longest_edge, PC_PGP_NORMALISE);
         for (pc_index f = 0; f < s.field.face_count; f++)
             expected += s.field.index[f] % 4 != 0;
         assert_int_equal(stats.field_singularities, expected);
@@ -127,10 +129,10 @@ static void scale_does_not_matter(void **state) {
     pc_param small, large;
     make_mesh(&s.mesh, ctx, 1, 11);
     finish_shape(&s, ctx, host);
-    pc_param_stats before = parameterize(&small, ctx, host, &s, 2.5 * s.longest_edge);
+    pc_param_stats before = parameterize(&small, ctx, host, &s, 2.5 * s.longest_edge, PC_PGP_NORMALISE);
     for (size_t i = 0; i < 3 * (size_t)s.mesh.vertex_count; i++)
         s.mesh.position[i] *= 1024;
-    pc_param_stats after = parameterize(&large, ctx, host, &s, 1024 * 2.5 * s.longest_edge);
+    pc_param_stats after = parameterize(&large, ctx, host, &s, 1024 * 2.5 * s.longest_edge, PC_PGP_NORMALISE);
     assert_int_equal(before.field_singularities, after.field_singularities);
     assert_int_equal(before.dislocations, after.dislocations);
     assert_memory_equal(small.turn, large.turn, 3 * (size_t)s.mesh.face_count);
@@ -159,7 +161,7 @@ static void torus_has_no_cones(void **state) {
     pc_param param;
     assert_ok(ctx, pc_synth_torus(&s.mesh, ctx, 2, 0.7, 80, 32));
     lay_field(&s, ctx, around_axis, 5);
-    pc_param_stats stats = parameterize(&param, ctx, host, &s, 0.55);
+    pc_param_stats stats = parameterize(&param, ctx, host, &s, 0.55, PC_PGP_NORMALISE);
     assert_int_equal(stats.field_singularities, 0);
     /* The ring is 2*pi*2.7/0.55 cells long outside and 2*pi*1.3/0.55 inside: 16 lines end, on both ways
      * round. */
@@ -181,7 +183,7 @@ static void numbering_does_not_matter(void **state) {
         assert_ok(ctx, pc_synth_cylinder(&s.mesh, ctx, 4, 64, 40));
         if (k) assert_ok(ctx, pc_synth_shuffle(&s.mesh, ctx, 9));
         lay_field(&s, ctx, upwards, 4);
-        stats[k] = parameterize(&param, ctx, host, &s, 2 * 64 * sin(PC_PI / 64) / 16);
+        stats[k] = parameterize(&param, ctx, host, &s, 2 * 64 * sin(PC_PI / 64) / 16, PC_PGP_NORMALISE);
         pc_param_free(&param, ctx);
         free_shape(&s, ctx);
     }

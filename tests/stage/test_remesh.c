@@ -51,6 +51,7 @@ static void remesh(remeshed *r, shape *s, pc_context *ctx, pc_device *host, doub
                    pc_ngons ngons) {
     pc_remesh_options options = PC_REMESH_DEFAULTS;
     pc_remesh_quads_stats made;
+    pc_ground ground;
     r->edge = sqrt(pc_geometry_area(&s->mesh) / count);
     options.quads = any ? 0 : count;
     options.ngons = ngons;
@@ -58,8 +59,10 @@ static void remesh(remeshed *r, shape *s, pc_context *ctx, pc_device *host, doub
     assert_true(s->longest_edge < 0.45 * options.period_length);
     assert_ok(ctx, pc_remesh_make(&r->param, &r->layout, &r->scale, &r->stats, ctx, host, &s->mesh,
                                   &s->adjacency, &s->field, NULL, &options));
-    assert_ok(ctx,
-              pc_remesh_quads(&r->quads, &r->folded, &made, ctx, &r->layout, ngons, &s->mesh, &s->adjacency));
+    assert_ok(ctx, pc_ground_make(&ground, ctx, &s->mesh, &s->adjacency));
+    assert_ok(
+        ctx, pc_remesh_quads(&r->quads, &r->folded, &made, ctx, &r->layout, ngons, any ? 0 : count, &ground));
+    pc_ground_free(&ground, ctx);
 }
 
 static void free_remeshed(remeshed *r, pc_context *ctx) {

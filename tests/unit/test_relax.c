@@ -33,8 +33,11 @@ static void free_bench(bench *b, pc_context *ctx) {
 static void relax(bench *b, pc_context *ctx) {
     const pc_relax_options options = PC_RELAX_DEFAULTS;
     uint8_t *folded;
+    pc_ground ground;
+    assert_ok(ctx, pc_ground_make(&ground, ctx, &b->scan, &b->adjacency));
     assert_ok(ctx, pc_new(&folded, ctx, b->quads.face_count));
-    assert_ok(ctx, pc_relax(&b->quads, &b->stats, folded, ctx, &b->scan, &b->adjacency, &options));
+    assert_ok(ctx, pc_relax(&b->quads, &b->stats, folded, ctx, &ground, &options));
+    pc_ground_free(&ground, ctx);
     b->folded = 0;
     for (pc_index f = 0; f < b->quads.face_count; f++)
         b->folded += folded[f];

@@ -16,7 +16,7 @@ typedef struct bench {
     double *scale;
     uint8_t *folded;
     pc_sizing_options options;
-    pc_index wanting;
+    pc_sizing_stats stats;
 } bench;
 
 static double from_centre(const pc_mesh *scan, size_t v) {
@@ -51,7 +51,7 @@ static void free_bench(bench *b, pc_context *ctx) {
 }
 
 static void update(bench *b, pc_context *ctx) {
-    assert_ok(ctx, pc_sizing_update(b->scale, &b->wanting, ctx, &b->scan, &b->adjacency, &b->quads, b->folded,
+    assert_ok(ctx, pc_sizing_update(b->scale, &b->stats, ctx, &b->scan, &b->adjacency, &b->quads, b->folded,
                                     &b->options));
 }
 
@@ -72,7 +72,7 @@ static void good_quads_want_nothing(void **state) {
     for (size_t v = 0; v < b.scan.vertex_count; v++)
         b.scale[v] = 1 + (v % 2) * 0.05;
     update(&b, ctx);
-    assert_int_equal(b.wanting, 0);
+    assert_int_equal(b.stats.wanting, 0);
     for (size_t v = 0; v < b.scan.vertex_count; v++)
         assert_true(b.scale[v] == 1 + (v % 2) * 0.05);
     free_bench(&b, ctx);
@@ -86,7 +86,7 @@ static void a_missed_bump_raises_its_scale(void **state) {
     for (size_t v = 0; v < b.scan.vertex_count; v++)
         missed += b.scan.position[3 * v + 2] > 1;
     update(&b, ctx);
-    assert_int_equal(b.wanting, missed);
+    assert_int_equal(b.stats.wanting, missed);
     is_graded(&b);
     for (size_t v = 0; v < b.scan.vertex_count; v++) {
         double height = b.scan.position[3 * v + 2], r = from_centre(&b.scan, v);
@@ -112,7 +112,7 @@ static void folded_faces_want_finer_ones(void **state) {
     make_bench(&b, ctx, 0);
     b.folded[SIDE * SIDE / 2 + SIDE / 2] = 1; /* centre: half an edge from that of the plane */
     update(&b, ctx);
-    assert_true(b.wanting >= 4 && b.wanting <= 12);
+    assert_true(b.stats.wanting >= 4 && b.stats.wanting <= 12);
     is_graded(&b);
     for (size_t v = 0; v < b.scan.vertex_count; v++) {
         assert_true(b.scale[v] >= 1 && b.scale[v] <= 1.4);
