@@ -84,7 +84,7 @@ static int lines_of(double line[MOST_LINES], const building *b, pc_index f, int 
             double x = direction ? p->t[k] : p->s[k];
             int at = 0;
             if (x <= 0 || x >= size) continue;
-            while (line[at] < x)
+            while (at + 1 < count && line[at] < x)
                 at++;
             if (line[at] == x || count == MOST_LINES) continue;
             memmove(line + at + 1, line + at, (size_t)(count - at) * sizeof *line);

@@ -235,7 +235,7 @@ static double knot_at(const pc_block_surface *surface, int k, pc_index i) {
 /* The blossom at s and t (block's frame) of the piece that holds the point `at`. */
 static pc_vec3 block_blossom(const pc_tspline *spline, const pc_blocks *blocks, const pc_block *block,
                              const double at[2], const double s[3], const double t[3]) {
-    const pc_block_cell *cell = NULL;
+    const pc_block_cell *cell = blocks->cell + block->cell;
     double local[2] = {0, 0};
     for (pc_index c = 0; c < block->cell_count; c++) {
         cell = blocks->cell + block->cell + c;
