@@ -71,7 +71,8 @@ done:
     return status;
 }
 
-/* The knots of all functions on face f strictly between its sides, sorted, with both sides. */
+/* The knots of all functions on face f strictly between its sides, sorted, with both sides. On a suitable
+ * mesh there are a few; 0 where there are more than MOST_LINES. */
 enum { MOST_LINES = 64 };
 
 static int lines_of(double line[MOST_LINES], const building *b, pc_index f, int direction) {
@@ -86,7 +87,8 @@ static int lines_of(double line[MOST_LINES], const building *b, pc_index f, int 
             if (x <= 0 || x >= size) continue;
             while (at + 1 < count && line[at] < x)
                 at++;
-            if (line[at] == x || count == MOST_LINES) continue;
+            if (line[at] == x) continue;
+            if (count == MOST_LINES) return 0;
             memmove(line + at + 1, line + at, (size_t)(count - at) * sizeof *line);
             line[at] = x;
             count++;
@@ -99,6 +101,8 @@ static pc_status cut_regular(building *b, pc_context *ctx, pc_index f) {
     pc_status status = PC_OK;
     double s[MOST_LINES], t[MOST_LINES];
     int columns = lines_of(s, b, f, 0) - 1, rows = lines_of(t, b, f, 1) - 1;
+    if (columns < 1 || rows < 1)
+        return pc_fail(ctx, PC_E_BUG, "face %u of the T-mesh has more than %d lines", f, MOST_LINES);
     for (int i = 0; i < columns * rows; i++) {
         pc_element element = {.face = f,
                               .low = {s[i % columns], t[i / columns]},

@@ -1,5 +1,6 @@
 #include "ringmesh.h"
 #include "memory.h"
+#include "tmesh.h"
 #include "vec3.h"
 #include <string.h>
 
@@ -71,8 +72,8 @@ static void set_edge_point(double *to, const pc_ringmesh *ring, pc_ringcorner at
     add_face_point(to, 0.5 * up / (up + down), ring, other);
 }
 
-/* Faces around the vertex at a corner, counter-clockwise from that one; at most PC_RING_VALENCE. */
-enum { MOST_AROUND = 64 };
+/* Faces around the vertex at a corner, counter-clockwise from that one. */
+enum { MOST_AROUND = PC_TMESH_VALENCE };
 
 static int faces_around(pc_ringcorner around[MOST_AROUND], const pc_ringmesh *ring, pc_ringcorner at) {
     int n = 0;

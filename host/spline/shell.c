@@ -102,7 +102,7 @@ done:
 static pc_status add_side_edge(making *m, pc_context *ctx, pc_index f, int side, const double span[2],
                                const pc_index vertex[2]) {
     pc_status status = PC_OK;
-    enum { MOST = 64 };
+    enum { MOST = 130 }; /* lines of a face, and more */
     const pc_basis *basis = &m->spline->basis;
     double knot[MOST], b[12], range[2];
     pc_index count = 0;

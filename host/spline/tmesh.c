@@ -236,6 +236,9 @@ static pc_status mark_extraordinary(pc_tmesh *mesh, pc_context *ctx, const draft
         if (!rim && valence < 3)
             return pc_fail(ctx, PC_E_MESH, "vertex %u is between two quads only; dissolve it first",
                            d->source[v]);
+        if (valence > PC_TMESH_VALENCE)
+            return pc_fail(ctx, PC_E_MESH, "vertex %u is in %u quads; at most %d are supported", d->source[v],
+                           valence, PC_TMESH_VALENCE);
         mesh->vertex[v].extraordinary = !rim && valence != 4;
         mesh->vertex[v].depth = mesh->vertex[v].extraordinary ? depth : 0;
     }

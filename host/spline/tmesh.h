@@ -9,6 +9,8 @@
 
 #include "polymesh.h"
 
+enum { PC_TMESH_VALENCE = 64 }; /* the largest */
+
 typedef struct pc_thalf {
     pc_index tail; /* vertex it leaves */
     pc_index next, prev, twin;
@@ -48,8 +50,9 @@ typedef struct pc_tmesh_options {
 
 /* All intervals are 1. `source` (may be NULL; the caller frees it) gets the vertex of `quads` that each
  * vertex stands for, PC_NONE for those of ghosts; a vertex where several fans of faces meet becomes one per
- * fan. PC_E_MESH where a face has not four corners or an edge is not between two faces that run along it in
- * opposite directions, with the ids. */
+ * fan. PC_E_MESH where a face has not four corners, an edge is not between two faces that run along it in
+ * opposite directions, or a vertex has fewer than three faces around or more than PC_TMESH_VALENCE, with the
+ * ids. */
 pc_status pc_tmesh_make(pc_tmesh *mesh, pc_index **source, pc_context *ctx, const pc_polymesh *quads,
                         const pc_tmesh_options *options);
 pc_status pc_tmesh_copy(pc_tmesh *copy, pc_context *ctx, const pc_tmesh *mesh);
