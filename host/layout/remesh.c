@@ -8,7 +8,7 @@
 #include "vec3.h"
 #include <string.h>
 
-enum { MOST_COLLAPSES = 8, MOST_TRIES_FOR_COUNT = 5, MOST_STRIPS = 12, MOST_FAILURES = 6 };
+enum { MOST_COLLAPSES = 24, MOST_TRIES_FOR_COUNT = 5, MOST_STRIPS = 12, MOST_FAILURES = 6 };
 /* Of the count: a miss that ends the search at once, and one that ends it where more tries have not helped;
  * the promise is 5 %. */
 static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
@@ -47,6 +47,8 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
         PC_TRY(pc_new(folded, ctx, quads->face_count));
         if (round == 0) PC_TRY(pc_relax(quads, &stats->relaxed, *folded, ctx, ground, &options));
         PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
+        pc_log(ctx, PC_LOG_DEBUG, "quads: %u faces folded after %u have been collapsed", stats->folded,
+               stats->collapsed);
         if (stats->folded == 0 || round == MOST_COLLAPSES) break;
         PC_TRY(pc_quads_collapse(quads, &collapsed, ctx, *folded));
         if (collapsed == 0) { /* one of those around may do */
