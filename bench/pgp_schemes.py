@@ -25,7 +25,7 @@ after PGP, layout and quads as the program makes them without any wish for a siz
 """
 
 LEGEND = """
-`normalise`: the default, twelve normalise-and-solve steps of reach 8 to 0.7 periods to a residual of 2e-3, the last to 2e-5.
+`normalise`: the default, twelve normalise-and-solve steps of reach 8 to 0.7 periods to a residual of 1e-2, the last to 1e-4.
 `normalise:6:8:0.7:1e-2`: six steps to 1e-2, the last to 1e-4. `newton`: the thesis's penalty and Newton's method. Dislocations,
 flipped and cones are triangles, after PGP alone and after cancelling, integration and untangling ("left"); what cones there are is the
 field's doing. energy: sum of weight * |M^r X_j - D X_i|^2 over the edges, all norms 1; what Newton minimises is another function. irregular

@@ -156,8 +156,8 @@ pc_status pc_scan_pgp_system(pc_system *system, pc_context *ctx, pc_device *devi
     *system = (pc_system){0};
     PC_TRY(pc_curvature_make(&curvature, ctx, device, &scan->mesh, &scan->adjacency, &how));
     PC_TRY(pc_field_make(&field, ctx, device, &scan->mesh, &scan->adjacency, &curvature, &options));
-    PC_TRY(pc_coupling_make(&coupling, ctx, device, &scan->mesh, &scan->adjacency, &field, NULL,
-                            scan->period));
+    PC_TRY(
+        pc_coupling_make(&coupling, ctx, device, &scan->mesh, &scan->adjacency, &field, NULL, scan->period));
     PC_TRY(pc_edge_rows_make(&rows, ctx, &scan->mesh, &scan->adjacency));
     PC_TRY(pc_pgp_assemble(system, ctx, device, &scan->mesh, &scan->adjacency, &rows, &coupling));
     PC_TRY(pc_new(&area, ctx, scan->mesh.vertex_count));

@@ -1,7 +1,12 @@
 #include "relief.h"
 #include "memory.h"
 #include "vec3.h"
+#include <math.h>
 #include <string.h>
+
+/* Radians, of one edge's transport. Around a handle a few edges wide more would have to be moved: a field
+ * that is smooth in such a connection is none on the surface, and gains singularities. */
+static const double most_change = 0.3;
 
 /* Dual weights, edge over dual edge, are one over the cotangent weights. */
 static double dual_weight(const pc_adjacency *a, const pc_connection *c, pc_index h) {
@@ -88,9 +93,11 @@ pc_status pc_relief_smooth(double *transport, pc_context *ctx, pc_device *device
            stats.residual, stats.setup_seconds, stats.solve_seconds);
 #pragma omp parallel for schedule(static)
     for (pc_index h = 0; h < 3 * mesh->face_count; h++)
-        if (adjacency->twin[h] != PC_NONE)
-            transport[h] -= t * dual_weight(adjacency, connection, h) *
+        if (adjacency->twin[h] != PC_NONE) {
+            double change = t * dual_weight(adjacency, connection, h) *
                             (density[h / 3] - density[adjacency->twin[h] / 3]);
+            transport[h] -= fmin(fmax(change, -most_change), most_change);
+        }
 done:
     pc_solver_free(engine, ctx);
     pc_system_free(&system, ctx);

@@ -10,7 +10,8 @@
  * it sees is the mesh's diffused over `length` (model units): (A + length^2 D) k' = K on the faces, D the
  * dual Laplacian, then transport -= length^2 * dual gradient of k'. Total curvature stays (Ray, Vallet,
  * Alonso and Levy, Geometry-aware direction field processing, 2009, do the same with a target curvature).
- * length 0 copies. PC_E_NOMEM, PC_E_DEVICE, PC_E_NOCONV. */
+ * No edge's transport changes by more than 0.3 radians. length 0 copies. PC_E_NOMEM, PC_E_DEVICE,
+ * PC_E_NOCONV. */
 pc_status pc_relief_smooth(double *transport, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                            const pc_adjacency *adjacency, const pc_connection *connection, double length,
                            const pc_solver_options *solver);

@@ -28,6 +28,9 @@ typedef struct search {
     pc_param *param;
     const uint8_t *guarded; /* per vertex, or NULL */
     double reach;
+    pc_vec3 *centre;   /* per face */
+    uint8_t *hopeless; /* per face: a dislocation for which there is no end. Others only vanish: there will be
+                          none */
     label *labels;
     heap_entry *heap;
     size_t heap_count;
@@ -138,15 +141,14 @@ static bool find_end(search *s, plan *found, pc_index start) {
         *found = (plan){top.distance, start, top.face, PC_NONE};
         if (top.distance > s->reach) return false;
         if (top.face != start && takes_in(s, top.face, l->burgers)) return true;
-        pc_vec3 here = centroid(s->mesh, top.face);
+        pc_vec3 here = s->centre[top.face];
         for (pc_index h = 3 * top.face; h < 3 * top.face + 3; h++) {
             pc_index twin = s->adjacency->twin[h];
             if (twin == PC_NONE) {
                 found->exit = h;
                 return true;
             }
-            relax(s, h, top.distance + pc_distance(here, centroid(s->mesh, twin / 3)),
-                  carried(s, h, l->burgers));
+            relax(s, h, top.distance + pc_distance(here, s->centre[twin / 3]), carried(s, h, l->burgers));
         }
     }
     return false;
@@ -191,24 +193,31 @@ static int by_distance(const void *a, const void *b) {
     return p->start < q->start ? -1 : p->start > q->start;
 }
 
+static bool is_open(const search *s, pc_index f) {
+    return s->param->singular[f] == PC_DISLOCATION && !s->hopeless[f] && !is_guarded(s, f);
+}
+
 static pc_status cancel_round(search *s, pc_index *cancelled, pc_context *ctx) {
     pc_status status = PC_OK;
     plan *plans = NULL;
     size_t count = 0;
     for (pc_index f = 0; f < s->mesh->face_count; f++)
-        count += s->param->singular[f] == PC_DISLOCATION;
+        count += is_open(s, f);
     PC_TRY(pc_new(&plans, ctx, count));
     count = 0;
     for (pc_index f = 0; f < s->mesh->face_count; f++)
-        if (s->param->singular[f] == PC_DISLOCATION && !is_guarded(s, f) && find_end(s, &plans[count], f))
-            count++;
+        if (is_open(s, f)) {
+            s->hopeless[f] = !find_end(s, &plans[count], f);
+            count += !s->hopeless[f];
+        }
     qsort(plans, count, sizeof *plans, by_distance);
     /* Others may have come closer or gone: each plan is made anew before it is carried out, and waits where
      * its partner has gone and the next one is farther. */
     for (size_t i = 0; i < count; i++) {
         plan now;
         if (s->param->singular[plans[i].start] != PC_DISLOCATION) continue;
-        if (!find_end(s, &now, plans[i].start) || now.distance > 1.5 * plans[i].distance) continue;
+        s->hopeless[plans[i].start] = !find_end(s, &now, plans[i].start);
+        if (s->hopeless[plans[i].start] || now.distance > 1.5 * plans[i].distance) continue;
         bool pair = now.exit == PC_NONE && s->param->singular[now.face] == PC_DISLOCATION;
         carry_out(s, &now);
         *cancelled += pair ? 2 : 1;
@@ -224,8 +233,12 @@ pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_contex
     pc_status status = PC_OK;
     search s = {.mesh = mesh, .adjacency = adjacency, .param = param, .guarded = guarded, .reach = reach};
     *cancelled = 0;
+    PC_TRY(pc_new(&s.centre, ctx, mesh->face_count));
+    PC_TRY(pc_new(&s.hopeless, ctx, mesh->face_count));
     PC_TRY(pc_new(&s.labels, ctx, mesh->face_count));
     PC_TRY(pc_new(&s.heap, ctx, 4 * (size_t)mesh->face_count));
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        s.centre[f] = centroid(mesh, f);
     for (int round = 0; round < MOST_ROUNDS; round++) {
         pc_index before = *cancelled;
         PC_TRY(cancel_round(&s, cancelled, ctx));
@@ -233,6 +246,8 @@ pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_contex
     }
     pc_reconstruct_flags(param, mesh);
 done:
+    pc_free(ctx, s.centre);
+    pc_free(ctx, s.hopeless);
     pc_free(ctx, s.labels);
     pc_free(ctx, s.heap);
     return status;

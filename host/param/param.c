@@ -11,7 +11,7 @@
 #include "vec3.h"
 #include <string.h>
 
-enum { MOST_GUARDS = 6 };
+enum { MOST_GUARDS = 12 };
 static const double LEAST_ROOM = 0.3;             /* of the area asked for */
 static const double INTEGRATION_TOLERANCE = 1e-5; /* of the change of coordinates, itself below a period */
 

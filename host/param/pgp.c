@@ -170,7 +170,8 @@ static void dispose(problem *p) {
         pc_free(p->ctx, arrays[k]);
 }
 
-/* phase = (A + M/reach^2)^-1 M/reach^2 phase. */
+/* phase = (A + M/reach^2)^-1 M/reach^2 phase/|phase|. The solver starts from the phases as they were, norms
+ * and all: around singularities, where norms vanish, those of norm 1 are far rougher than the solution. */
 static pc_status diffuse(double *phase, pc_pgp_stats *stats, problem *p, double reach, double tolerance,
                          bool keep_system) {
     pc_status status = PC_OK;
@@ -179,8 +180,11 @@ static pc_status diffuse(double *phase, pc_pgp_stats *stats, problem *p, double 
     const double shift = 1 / (reach * reach);
     for (pc_index i = 0; i < p->count; i++)
         p->diagonal[i] = p->degree[i] + fmax(shift, p->least[i]) * p->mass[i];
+    memcpy(p->rhs, phase, sizeof(double) * 4 * p->count);
+    PC_TRY(pc_pgp_normalise(p->rhs, p->ctx, p->device, p->count));
     for (size_t i = 0; i < 4 * (size_t)p->count; i++)
-        p->rhs[i] = fmax(shift, p->least[i / 4]) * p->mass[i / 4] * phase[i];
+        p->rhs[i] *= fmax(shift, p->least[i / 4]) * p->mass[i / 4];
+    if (stats->steps == 0) memset(phase, 0, sizeof(double) * 4 * p->count); /* noise is no start */
     if (p->solver) {
         PC_TRY(pc_solver_set_diagonal(p->solver, p->ctx, p->diagonal));
     } else {
@@ -213,9 +217,9 @@ static pc_status normalise_and_solve(double *phase, pc_pgp_stats *stats, problem
             p->period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
         double tolerance = (step + 1 < options->steps ? 1 : last_step) * options->tolerance;
         PC_TRY(diffuse(phase, stats, p, reach, tolerance, false));
-        PC_TRY(pc_pgp_normalise(phase, p->ctx, p->device, p->count));
         pc_progress(p->ctx, (step + 1.0) / options->steps);
     }
+    PC_TRY(pc_pgp_normalise(phase, p->ctx, p->device, p->count));
 done:
     return status;
 }

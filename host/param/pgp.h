@@ -24,7 +24,7 @@ typedef struct pc_pgp_options {
     pc_newton_options newton;
 } pc_pgp_options;
 #define PC_PGP_DEFAULTS                                                                                      \
-    { PC_PGP_NORMALISE, 8.0, 0.7, 12, 2e-3, 1, PC_NEWTON_DEFAULTS }
+    { PC_PGP_NORMALISE, 8.0, 0.7, 12, 1e-2, 1, PC_NEWTON_DEFAULTS }
 
 typedef struct pc_pgp_stats {
     double energy;       /* sum of weight * |M^r X_j - D X_i|^2 over the edges, norms 1 */

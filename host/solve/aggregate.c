@@ -138,8 +138,7 @@ static bool lies_within(const pc_blockmat *a, const float *size, pc_index row, p
 /* Rows whose strong neighbours are all free found groups. Blocks of rows do so at the same time for the rows
  * that touch no other block; those are put off until all blocks are done. The blocks do not depend on the
  * threads. */
-static void found_groups(pc_aggregates *g, const pc_blockmat *a, const float *size,
-                         const uint8_t *eligible) {
+static void found_groups(pc_aggregates *g, const pc_blockmat *a, const float *size, const uint8_t *eligible) {
     enum { BLOCK = 16384 };
     const pc_index n = a->row_count;
     uint8_t *put_off = (uint8_t *)g->member;

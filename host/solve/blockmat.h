@@ -20,7 +20,7 @@ typedef struct pc_blockmat {
     uint8_t *turn;    /* TURNED only */
     float *diagonal;  /* square matrices: apart from the entries, 1 per row, for TURNED one for U and one for
                          V; NULL for transfers */
-    float *inverse; /* of the diagonal, same shape */
+    float *inverse;   /* of the diagonal, same shape */
     const double
         *exact; /* level 0 while the hierarchy is built: the entries in double, not owned; else NULL */
     const double *exact_diagonal;

@@ -1,6 +1,6 @@
-/* Block matrices on a device, in the layout of kernels/cycle.cl: slices of 8 rows on devices of chunk shape, of
- * 32 on those of row shape, longest rows first within windows. Split into parts below the device's allocation
- * cap. */
+/* Block matrices on a device, in the layout of kernels/cycle.cl: slices of 8 rows on devices of chunk shape,
+ * of 32 on those of row shape, longest rows first within windows. Split into parts below the device's
+ * allocation cap. */
 #ifndef PC_DEVMAT_H
 #define PC_DEVMAT_H
 

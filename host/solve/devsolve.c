@@ -215,11 +215,12 @@ static pc_status smooth_first(pc_devsolve *s, pc_context *ctx, const devlevel *l
     const size_t rows = pc_devmat_padded(&level->matrix);
     const bool chunks = s->shape == PC_SHAPE_CHUNK;
     const size_t per_item = chunks ? 2048 : 1;
-    return pc_kernel_run(
-        ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
-        (double)rows * (3.0 * s->width + pc_form_diagonal(level->matrix.form)) * sizeof(float),
-        PC_ARGS(PC_BUF(level->matrix.inverse), PC_BUF(level->b), PC_BUF(level->x), PC_BUF(level->d),
-                PC_U32((uint32_t)rows), PC_U32((uint32_t)s->width), PC_U32((uint32_t)per_item), PC_F32(beta)));
+    return pc_kernel_run(ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
+                         (double)rows * (3.0 * s->width + pc_form_diagonal(level->matrix.form)) *
+                             sizeof(float),
+                         PC_ARGS(PC_BUF(level->matrix.inverse), PC_BUF(level->b), PC_BUF(level->x),
+                                 PC_BUF(level->d), PC_U32((uint32_t)rows), PC_U32((uint32_t)s->width),
+                                 PC_U32((uint32_t)per_item), PC_F32(beta)));
 }
 
 static pc_status smooth(pc_devsolve *s, pc_context *ctx, devlevel *level, int from) {

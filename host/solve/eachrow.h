@@ -10,8 +10,13 @@ enum { PC_PARALLEL_ROWS = 2048 };
 /* CALL(form, i) for all rows. A loop for each form: a form handed into one loop would be a variable there,
  * because compilers outline parallel loops before they know its value. */
 #define PC_ROWS_OF(FORM, CALL)                                                                               \
-    _Pragma("omp parallel for schedule(static) if (rows_in_all > PC_PARALLEL_ROWS)") for (                   \
-        pc_index row_of_loop = 0; row_of_loop < rows_in_all; row_of_loop++) CALL(FORM, row_of_loop)
+    _Pragma(                                                                                                 \
+        "omp parallel for schedule(static) if (rows_in_all > PC_PARALLEL_ROWS)") for (pc_index row_of_loop = \
+                                                                                          0;                 \
+                                                                                      row_of_loop <          \
+                                                                                      rows_in_all;           \
+                                                                                      row_of_loop++)         \
+        CALL(FORM, row_of_loop)
 #define PC_EACH_ROW(form, rows, CALL)                                                                        \
     do {                                                                                                     \
         const pc_index rows_in_all = (rows);                                                                 \

@@ -306,7 +306,8 @@ pc_status pc_galerkin_coarse(pc_blockmat *coarse, pc_context *ctx, const pc_bloc
     *coarse = (pc_blockmat){0};
     product first = {.c = &ap, .a = matrix, .b = prolongator, .finish = KEEP};
     PC_TRY(multiply(&first, ctx));
-    PC_TRY(pc_new(&diagonal, ctx, (size_t)restriction->row_count * (size_t)pc_form_diagonal(restriction->form)));
+    PC_TRY(
+        pc_new(&diagonal, ctx, (size_t)restriction->row_count * (size_t)pc_form_diagonal(restriction->form)));
     product second = {
         .c = coarse, .a = restriction, .b = &ap, .finish = SPLIT_DIAGONAL, .diagonal = diagonal};
     PC_TRY(multiply(&second, ctx));
