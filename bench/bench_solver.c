@@ -103,17 +103,18 @@ int main(int argc, char **argv) {
     pc_synth_options options = PC_SYNTH_DEFAULTS;
     if (!ctx) return 1;
     pc_context_set_log(ctx, to_stderr, stderr, getenv("PERCALE_DEBUG") ? PC_LOG_DEBUG : PC_LOG_WARNING);
-    int kind = argc > 2 ? atoi(argv[2]) : 1;
-    double vertices = argc > 3 ? atof(argv[3]) : 1e5;
-    double tolerance = argc > 4 ? atof(argv[4]) : 1e-6;
-    bool jacobi = argc > 5 && atoi(argv[5]);
+    int kind = argc > 2 ? (int)strtol(argv[2], NULL, 10) : 1;
+    double vertices = argc > 3 ? strtod(argv[3], NULL) : 1e5;
+    double tolerance = argc > 4 ? strtod(argv[4], NULL) : 1e-6;
+    bool jacobi = argc > 5 && (int)strtol(argv[5], NULL, 10);
     options.around = options.across = (pc_index)sqrt(vertices);
     options.combed = true;
-    if (argc > 6) options.jitter = atof(argv[6]);
-    if (argc > 7) options.least = atof(argv[7]);
+    if (argc > 6) options.jitter = strtod(argv[6], NULL);
+    if (argc > 7) options.least = strtod(argv[7], NULL);
     PC_TRY(pc_device_open(&device, ctx, argc > 1 ? argv[1] : "host"));
     if (argc > 2 && strpbrk(argv[2], "./")) {
-        status = scan_systems(ctx, device, argv[2], argc > 3 ? atoi(argv[3]) : 0, tolerance, jacobi);
+        status = scan_systems(ctx, device, argv[2], argc > 3 ? (int)strtol(argv[3], NULL, 10) : 0, tolerance,
+                              jacobi);
         goto done;
     }
     PC_TRY(pc_synth_torus_system(&system, ctx, (pc_block_kind)kind, &options));

@@ -78,6 +78,15 @@ static void check_distance(pc_certificate *c, const pc_quality *q, const pc_cert
     (void)snprintf(check->note, sizeof check->note, "quads to scan, largest");
 }
 
+/* A result can touch every part of the scan and still be a heap of folds, or a shred of it. */
+static void check_area(pc_certificate *c, const pc_quality *q) {
+    double part = q->quads_area / q->scan_area;
+    pc_check *check = add_check(c, "surface area", part, 1,
+                                part >= PC_CERTIFICATE_LEAST_AREA && part <= PC_CERTIFICATE_MOST_AREA);
+    (void)snprintf(check->note, sizeof check->note, "quads / scan, allowed are %.2f to %.2f",
+                   PC_CERTIFICATE_LEAST_AREA, PC_CERTIFICATE_MOST_AREA);
+}
+
 void pc_certificate_make(pc_certificate *certificate, const pc_quality *quality, const pc_field *field,
                          const pc_certificate_options *options) {
     *certificate = (pc_certificate){.passed = true};
@@ -86,6 +95,7 @@ void pc_certificate_make(pc_certificate *certificate, const pc_quality *quality,
     check_field(certificate, quality, field);
     check_count(certificate, quality, options);
     check_distance(certificate, quality, options);
+    check_area(certificate, quality);
 }
 
 const pc_check *pc_certificate_find(const pc_certificate *certificate, const char *name) {

@@ -187,5 +187,9 @@ pc_status pc_param_check(const pc_param *param, pc_context *ctx, const pc_mesh *
         if (once.turn || once.a || once.b)
             return pc_fail(ctx, PC_E_BUG, "the transitions of half-edge %zu and its twin do not cancel", h);
     }
+    for (pc_index f = 0; f < param->face_count; f++)
+        if (param->singular[f] != pc_reconstruct_flag(param, mesh->triangle, f))
+            return pc_fail(ctx, PC_E_BUG, "the flag of face %u is %d, not %d", f, param->singular[f],
+                           pc_reconstruct_flag(param, mesh->triangle, f));
     return PC_OK;
 }

@@ -58,20 +58,22 @@ void pc_reconstruct_torn(pc_param *param, const pc_mesh *mesh, const pc_adjacenc
     }
 }
 
+int pc_reconstruct_flag(const pc_param *param, const pc_index *triangle, pc_index face) {
+    size_t h = 3 * (size_t)face;
+    pc_point2 p[3];
+    pc_transition once =
+        pc_transition_after(pc_transition_after(pc_transition_of(param, h), pc_transition_of(param, h + 1)),
+                            pc_transition_of(param, h + 2));
+    if (once.turn) return PC_FIELD_SINGULARITY;
+    if (once.a || once.b) return PC_DISLOCATION;
+    pc_param_corners(p, param, triangle, face);
+    return pc_point2_area(p[0], p[1], p[2]) <= 0 ? PC_FLIPPED : PC_REGULAR;
+}
+
 void pc_reconstruct_flags(pc_param *param, const pc_mesh *mesh) {
 #pragma omp parallel for schedule(static, GRAIN)
-    for (pc_index f = 0; f < mesh->face_count; f++) {
-        size_t h = 3 * (size_t)f;
-        pc_transition once = pc_transition_after(
-            pc_transition_after(pc_transition_of(param, h), pc_transition_of(param, h + 1)),
-            pc_transition_of(param, h + 2));
-        pc_point2 p[3];
-        pc_param_corners(p, param, mesh->triangle, f);
-        param->singular[f] = once.turn                               ? PC_FIELD_SINGULARITY
-                             : once.a || once.b                      ? PC_DISLOCATION
-                             : pc_point2_area(p[0], p[1], p[2]) <= 0 ? PC_FLIPPED
-                                                                     : PC_REGULAR;
-    }
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        param->singular[f] = (uint8_t)pc_reconstruct_flag(param, mesh->triangle, f);
 }
 
 pc_status pc_reconstruct(pc_param *param, pc_context *ctx, pc_device *device, const pc_mesh *mesh,

@@ -18,7 +18,9 @@ void pc_reconstruct_shifts(pc_param *param, const pc_mesh *mesh, const pc_adjace
 /* The same for those edges only whose coordinates jump a period or more, which iso-lines could not follow. */
 void pc_reconstruct_torn(pc_param *param, const pc_mesh *mesh, const pc_adjacency *adjacency,
                          const pc_coupling *coupling);
-/* Classifies every face by its transitions and the sign of its area. */
+/* What a face is by its transitions and the sign of its area: PC_REGULAR, PC_DISLOCATION, ... */
+int pc_reconstruct_flag(const pc_param *param, const pc_index *triangle, pc_index face);
+/* Classifies every face so. */
 void pc_reconstruct_flags(pc_param *param, const pc_mesh *mesh);
 
 #endif

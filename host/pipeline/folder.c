@@ -45,11 +45,13 @@ done:
     return status;
 }
 
-static pc_status count_entries(size_t *count, bool *has_stages, pc_context *ctx, const char *folder) {
+static pc_status count_entries(size_t *count, bool *has_stages, bool *exists, pc_context *ctx,
+                               const char *folder) {
     *count = 0;
     *has_stages = false;
     DIR *directory = opendir(folder);
-    if (!directory && errno == ENOENT) return PC_OK;
+    *exists = directory || errno != ENOENT;
+    if (!*exists) return PC_OK;
     if (!directory && errno == ENOTDIR)
         return pc_fail(ctx, PC_E_USAGE, "%s: is a file; -o wants the name of a folder", folder);
     if (!directory) return pc_fail(ctx, PC_E_IO, "%s: cannot be read: %s", folder, strerror(errno));
@@ -85,24 +87,34 @@ static pc_status take_lock(int *lock, pc_context *ctx, const char *folder) {
     *lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (*lock < 0 || flock(*lock, LOCK_EX | LOCK_NB) == 0) return PC_OK;
     bool taken = errno == EWOULDBLOCK;
-    pc_folder_release(*lock);
+    (void)close(*lock);
     *lock = -1;
     if (!taken) return PC_OK;
     return pc_fail(ctx, PC_E_USAGE, "%s: another run is at work there; wait for it, or choose another folder",
                    folder);
 }
 
-void pc_folder_release(int lock) {
-    if (lock >= 0) (void)close(lock);
+void pc_folder_release(pc_folder *held, pc_context *ctx, bool failed) {
+    char *stages = NULL;
+    if (!held->ready) return;
+    /* Folders that hold anything stay: rmdir refuses them. */
+    if (failed && pc_folder_join(&stages, ctx, held->path, PC_OUT_STAGES, "") == PC_OK) {
+        (void)rmdir(stages);
+        if (held->made) (void)rmdir(held->path);
+    }
+    pc_free(ctx, stages);
+    if (held->lock >= 0) (void)close(held->lock);
+    held->ready = false;
 }
 
-pc_status pc_folder_prepare(int *lock, pc_context *ctx, const char *folder, bool resume, bool force) {
+pc_status pc_folder_prepare(pc_folder *held, pc_context *ctx, const char *folder, bool resume, bool force) {
     size_t count;
-    bool has_stages;
+    bool has_stages, exists;
     char *stages = NULL;
     pc_status status = PC_OK;
-    *lock = -1;
-    PC_TRY(count_entries(&count, &has_stages, ctx, folder));
+    *held = (pc_folder){.path = folder, .lock = -1};
+    PC_TRY(count_entries(&count, &has_stages, &exists, ctx, folder));
+    held->made = !exists;
     if (count > 0 && !force && !(resume && has_stages)) {
         status =
             pc_fail(ctx, PC_E_USAGE,
@@ -114,7 +126,8 @@ pc_status pc_folder_prepare(int *lock, pc_context *ctx, const char *folder, bool
         goto done;
     }
     PC_TRY(make_with_parents(ctx, folder));
-    PC_TRY(take_lock(lock, ctx, folder));
+    PC_TRY(take_lock(&held->lock, ctx, folder));
+    held->ready = true;
     PC_TRY(pc_folder_join(&stages, ctx, folder, PC_OUT_STAGES, ""));
     PC_TRY(make_one(ctx, stages));
     PC_TRY(remove_earlier(ctx, folder, stages, resume));

@@ -136,18 +136,18 @@ pc_status pc_convert(char **report, pc_context *ctx, const char *scan, const cha
                      const pc_convert_options *options) {
     pc_run run = {.ctx = ctx, .options = options, .scan_path = scan, .out = out};
     pc_status status = PC_OK;
-    int lock = -1;
+    pc_folder folder = {.lock = -1};
     *report = NULL;
     PC_TRY(read_input(&run));
     PC_TRY(pc_device_open(&run.device, ctx, options->device));
-    PC_TRY(pc_folder_prepare(&lock, ctx, out, options->resume, options->force));
+    PC_TRY(pc_folder_prepare(&folder, ctx, out, options->resume, options->force));
     PC_TRY(look_for_kept(&run));
     PC_TRY(run_all(&run));
     stopwatch start = start_stage(&run, PC_STAGE_EXPORT);
     status = pc_export(report, &run);
     if (status == PC_OK || status == PC_E_NOCONV) finish_stage(&run, PC_STAGE_EXPORT, start, PC_STAGE_MADE);
 done:
-    pc_folder_release(lock);
+    pc_folder_release(&folder, ctx, status != PC_OK);
     free_run(&run);
     return status;
 }

@@ -193,6 +193,33 @@ static void numbering_does_not_matter(void **state) {
     pc_device_close(host, ctx);
 }
 
+static void wrong_products_are_found(void **state) {
+    pc_context *ctx = *state;
+    pc_device *host = open_host(ctx);
+    shape s = {0};
+    pc_param param;
+    assert_ok(ctx, pc_synth_plane(&s.mesh, ctx, 8, 5, 16, 10));
+    lay_field(&s, ctx, slanting, 3);
+    parameterize(&param, ctx, host, &s, 4 * s.longest_edge, PC_PGP_NORMALISE);
+    for (int wrong = 0; wrong < 4; wrong++) {
+        int32_t coordinate = param.coordinate[7], shift = param.shift[6];
+        uint8_t turn = param.turn[3], flag = param.singular[5];
+        if (wrong == 0) param.coordinate[7]++;
+        if (wrong == 1) param.shift[6] += 2;
+        if (wrong == 2) param.turn[3] = (turn + 1) & 3;
+        if (wrong == 3) param.singular[5] = flag == PC_REGULAR ? PC_FLIPPED : PC_REGULAR;
+        if (pc_param_check(&param, ctx, &s.mesh, &s.adjacency) != PC_E_BUG)
+            fail_msg("wrong product %d passes", wrong);
+        pc_context_clear_message(ctx);
+        param.coordinate[7] = coordinate, param.shift[6] = shift;
+        param.turn[3] = turn, param.singular[5] = flag;
+        assert_ok(ctx, pc_param_check(&param, ctx, &s.mesh, &s.adjacency));
+    }
+    pc_param_free(&param, ctx);
+    free_shape(&s, ctx);
+    pc_device_close(host, ctx);
+}
+
 static void long_edges_are_refused(void **state) {
     pc_context *ctx = *state;
     pc_device *host = open_host(ctx);
@@ -218,6 +245,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(scale_does_not_matter, make_context, free_context),
         cmocka_unit_test_setup_teardown(torus_has_no_cones, make_context, free_context),
         cmocka_unit_test_setup_teardown(numbering_does_not_matter, make_context, free_context),
+        cmocka_unit_test_setup_teardown(wrong_products_are_found, make_context, free_context),
         cmocka_unit_test_setup_teardown(long_edges_are_refused, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -182,7 +182,7 @@ static void broken_meshes_fail(void **state) {
     p[0] = 10;
     expect(ctx, &s, 0, FAILING("inverted cells", "no part added")); /* two of its cells fold over */
     p[0] = NAN;
-    expect(ctx, &s, 0, FAILING("broken cells", "no part dropped", "no part added"));
+    expect(ctx, &s, 0, FAILING("broken cells", "no part dropped", "no part added", "surface area"));
     p[0] = x;
     expect(ctx, &s, 0, FAILING(NULL));
 
@@ -192,6 +192,30 @@ static void broken_meshes_fail(void **state) {
         memcpy(s.quads.position + 3 * (size_t)quad[k], old, 3 * sizeof *old);
     }
     expect(ctx, &s, 0, FAILING("zero-area cells"));
+    free_scene(&s, ctx);
+}
+
+/* A shred of the scan, or a heap of folds on it, can keep all else. */
+static void wrong_areas_fail(void **state) {
+    pc_context *ctx = *state;
+    const struct {
+        double factor;
+        bool passes;
+    } cases[] = {{0.2, false}, {0.5, true}, {1.2, true}, {1.8, false}, {100, false}, {NAN, false}};
+    pc_quality q;
+    scene s;
+    make_scene(&s, ctx, 4);
+    measure(&q, ctx, &s);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        pc_certificate certificate;
+        const pc_certificate_options options = PC_CERTIFICATE_DEFAULTS;
+        q.quads_area = cases[k].factor * q.scan_area;
+        pc_certificate_make(&certificate, &q, &s.field, &options);
+        const pc_check *check = pc_certificate_find(&certificate, "surface area");
+        assert_non_null(check);
+        if (check->passed != cases[k].passes || certificate.passed != cases[k].passes)
+            fail_msg("%g of the area: %d", cases[k].factor, check->passed);
+    }
     free_scene(&s, ctx);
 }
 
@@ -238,7 +262,7 @@ static void empty_result_fails(void **state) {
     scene s;
     make_scene(&s, ctx, 4);
     s.quads.face_count = s.quads.vertex_count = 0;
-    expect(ctx, &s, 0, FAILING("broken cells", "components", "no part dropped"));
+    expect(ctx, &s, 0, FAILING("broken cells", "components", "no part dropped", "surface area"));
     free_scene(&s, ctx);
 }
 
@@ -266,6 +290,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(threads_do_not_matter, make_context, free_context),
         cmocka_unit_test_setup_teardown(good_meshes_pass, make_context, free_context),
         cmocka_unit_test_setup_teardown(broken_meshes_fail, make_context, free_context),
+        cmocka_unit_test_setup_teardown(wrong_areas_fail, make_context, free_context),
         cmocka_unit_test_setup_teardown(doubled_face_and_stray_vertex_fail, make_context, free_context),
         cmocka_unit_test_setup_teardown(dropped_parts_fail, make_context, free_context),
         cmocka_unit_test_setup_teardown(empty_result_fails, make_context, free_context),
