@@ -149,7 +149,8 @@ pc_status pc_command_check(pc_context *ctx, int argc, const char **argv) {
         goto done;
     }
     PC_TRY(pc_command_operands(ctx, &operands, 1, usage));
-    const pc_repair_options options = {.strict = strict, .min_component = (pc_index)min_component};
+    pc_repair_options options = PC_REPAIR_DEFAULTS;
+    options.strict = strict, options.min_component = (pc_index)min_component;
     PC_TRY(check_scan(ctx, operands.text[0], &options, json_wanted));
 done:
     return status;

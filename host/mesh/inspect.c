@@ -92,7 +92,7 @@ done:
  */
 static pc_status repair_somehow(pc_inspection *inspection, pc_context *ctx, const pc_mesh *mesh,
                                 const pc_repair_options *options) {
-    pc_repair_options lenient = {.tear_nonorientable = true, .crowded_share = 1};
+    pc_repair_options lenient = {.tear_nonorientable = true, .crowded_share = 1, .shred_share = 1};
     pc_status status = pc_repair(&inspection->mesh, &inspection->repair, ctx, mesh, options);
     inspection->convertible = status == PC_OK;
     if (status != PC_E_MESH) return status;

@@ -273,17 +273,34 @@ static void turn_faces(workpiece *w, pc_repair_report *report, pc_sheets *sheets
     }
 }
 
+static pc_status refuse_shreds(pc_context *ctx, const workpiece *w, const pc_index *size,
+                               const pc_sheets *sheets, double share) {
+    pc_index shreds = 0, faces = 0, first = 0;
+    for (pc_index i = 0; i < sheets->piece_count; i++)
+        if (size[i] < PC_REPAIR_SHRED) shreds++, faces += size[i];
+    if (shreds <= PC_REPAIR_FEW_SHREDS || faces <= share * w->mesh.face_count) return PC_OK;
+    while (size[sheets->piece[first]] >= PC_REPAIR_SHRED)
+        first++;
+    return pc_fail(
+        ctx, PC_E_MESH,
+        "%u of %u triangles (the first is %u) are in %u pieces of fewer than %d: they are not joined; "
+        "merge the vertices that should coincide, or leave such pieces out (min-component %d)",
+        faces, w->mesh.face_count, w->face_source[first], shreds, PC_REPAIR_SHRED, PC_REPAIR_SHRED);
+}
+
+/* Leaves out pieces of fewer faces than asked; what is mostly shreds then is refused. */
 static pc_status drop_small(workpiece *w, pc_repair_report *report, pc_context *ctx, pc_sheets *sheets,
-                            pc_index min_component) {
+                            const pc_repair_options *options) {
     pc_status status = PC_OK;
-    pc_index *size = NULL;
+    pc_index *size = NULL, min_component = options->min_component;
     uint8_t *drop = NULL, *noted = NULL;
-    if (min_component < 2) return PC_OK;
     PC_TRY(pc_new(&size, ctx, sheets->piece_count));
     PC_TRY(pc_new(&noted, ctx, sheets->piece_count));
     PC_TRY(pc_new(&drop, ctx, w->mesh.face_count));
     for (pc_index f = 0; f < w->mesh.face_count; f++)
         size[sheets->piece[f]]++;
+    if (min_component < PC_REPAIR_SHRED) PC_TRY(refuse_shreds(ctx, w, size, sheets, options->shred_share));
+    if (min_component < 2) goto done;
     for (pc_index f = 0; f < w->mesh.face_count; f++) {
         drop[f] = size[sheets->piece[f]] < min_component;
         if (!drop[f]) continue;
@@ -447,7 +464,7 @@ static pc_status make_surface(workpiece *w, pc_repair_report *report, pc_context
     PC_TRY(pc_sheets_make(&sheets, ctx, &w->mesh));
     PC_TRY(judge_sheets(&sheets, w, report, ctx, options));
     turn_faces(w, report, &sheets);
-    PC_TRY(drop_small(w, report, ctx, &sheets, options->min_component));
+    PC_TRY(drop_small(w, report, ctx, &sheets, options));
     PC_TRY(split_fans(w, report, ctx, &sheets));
     PC_TRY(cut_edges(w, report, ctx, &sheets));
 done:

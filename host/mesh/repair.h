@@ -11,11 +11,13 @@ typedef struct pc_repair_options {
     pc_index min_component;  /* drop pieces with fewer faces than this */
     double crowded_share;    /* refuse where more than this share of the edges has more than two faces: no
                                 surface */
+    double shred_share;      /* refuse where more than this share of the faces is in shreds, pieces of fewer
+                                than PC_REPAIR_SHRED faces: triangles that nobody joined */
 } pc_repair_options;
 #define PC_REPAIR_DEFAULTS                                                                                   \
-    { false, false, 0, 0.05 }
-/* So many crowded edges are cut in any case. */
-enum { PC_REPAIR_FEW_CROWDED = 32 };
+    { false, false, 0, 0.05, 0.5 }
+/* So many crowded edges are cut in any case, and so many shreds taken as they are. */
+enum { PC_REPAIR_FEW_CROWDED = 32, PC_REPAIR_SHRED = 8, PC_REPAIR_FEW_SHREDS = 32 };
 
 /* How often a defect occurs, and the first few places. */
 enum { PC_DEFECT_IDS = 8 };

@@ -27,8 +27,9 @@ static void name_file(pc_run *run) {
 }
 
 static pc_status make(pc_run *run, pc_json *facts) {
-    const pc_repair_options options = {.strict = run->options->strict,
-                                       .min_component = run->options->min_component};
+    pc_repair_options options = PC_REPAIR_DEFAULTS;
+    options.strict = run->options->strict;
+    options.min_component = run->options->min_component;
     pc_held_scan *scan = &run->product.scan;
     pc_repair_report report = {0};
     pc_mesh raw = {0};

@@ -14,3 +14,15 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\
 try "$PERCALE" check sheets.obj --strict >/dev/null
 try convert sheets.obj -o out2 --strict
 try "$PERCALE" check sheets.obj | grep -E '^(repair|convertible)'
+# Forty fins on a grid of 800 triangles: few enough to be cut off.
+awk 'BEGIN { n = 20; m = n + 1
+    for (y = 0; y <= n; y++) for (x = 0; x <= n; x++) print "v", x, y, 0
+    for (i = 0; i < 40; i++) print "v", i % 20 + 0.5, 5 + 10 * int(i / 20), 1
+    for (y = 0; y < n; y++) for (x = 0; x < n; x++) { a = y * m + x + 1
+        print "f", a, a + 1, a + m + 1; print "f", a, a + m + 1, a + m }
+    for (i = 0; i < 40; i++) { a = (5 + 10 * int(i / 20)) * m + i % 20 + 1; print "f", a, a + 1, m * m + i + 1 } }' >fins.obj
+try "$PERCALE" check fins.obj | grep -E '^(repair|convertible)'
+# Triangles that nobody joined.
+awk 'BEGIN { for (i = 0; i < 40; i++) { print "v", i, 0, 0; print "v", i + 0.9, 0, 0; print "v", i, 1, 0 }
+    for (i = 0; i < 40; i++) print "f", 3 * i + 1, 3 * i + 2, 3 * i + 3 }' >shreds.obj
+try convert shreds.obj -o out3

@@ -186,12 +186,37 @@ static void touching_cubes_come_apart(void **state) {
     }
 }
 
+static void unjoined_triangles_are_refused(void **state) {
+    pc_context *ctx = *state;
+    enum { COUNT = 100 };
+    double position[9 * COUNT];
+    pc_index triangle[3 * COUNT];
+    pc_mesh in, out;
+    pc_repair_report report;
+    pc_repair_options lenient = PLAIN;
+    lenient.shred_share = 1;
+    for (pc_index i = 0; i < 3 * COUNT; i++) {
+        triangle[i] = i;
+        pc_vec3_put(position, i, (pc_vec3){i / 3 + 0.9 * (i % 3 == 1), i % 3 == 2, 0});
+    }
+    make_soup(&in, ctx, position, 3 * COUNT, triangle, COUNT);
+    assert_int_equal(pc_repair(&out, &report, ctx, &in, &PLAIN), PC_E_MESH);
+    assert_non_null(strstr(pc_context_message(ctx), "not joined"));
+    pc_context_clear_message(ctx);
+    assert_ok(ctx, pc_repair(&out, &report, ctx, &in, &lenient));
+    assert_int_equal(out.face_count, COUNT);
+    pc_repair_report_free(&report, ctx);
+    pc_mesh_free(&out, ctx);
+    pc_mesh_free(&in, ctx);
+}
+
 static void fin_is_cut_off_and_dropped(void **state) {
     pc_context *ctx = *state;
     pc_mesh cube, in, out;
     pc_repair_report report;
     pc_topology t;
-    pc_repair_options drop = {.min_component = 2};
+    pc_repair_options drop = PLAIN;
+    drop.min_component = 2;
     two_cubes(&cube, ctx, (pc_vec3){5, 0, 0});
     make_soup(&in, ctx, cube.position, 9, cube.triangle, 13);
     pc_vec3_put(in.position, 8, (pc_vec3){2, 0, 2});
@@ -332,7 +357,8 @@ static void any_soup_becomes_manifold(void **state) {
         pc_mesh in, out, again;
         pc_repair_report report, second;
         pc_topology t;
-        pc_repair_options options = {.tear_nonorientable = seed % 4 != 0, .crowded_share = 1};
+        pc_repair_options options = {
+            .tear_nonorientable = seed % 4 != 0, .crowded_share = 1, .shred_share = 1};
         random_soup(&in, ctx, &random);
         pc_status status = pc_repair(&out, &report, ctx, &in, &options);
         if (status == PC_OK) {
@@ -370,7 +396,8 @@ static void no_memory_is_reported(void **state) {
     pc_mesh in, out;
     pc_repair_report report;
     pc_random random = {pc_hash64(77)};
-    pc_repair_options options = {.tear_nonorientable = true, .crowded_share = 1, .min_component = 2};
+    pc_repair_options options = {
+        .tear_nonorientable = true, .crowded_share = 1, .shred_share = 1, .min_component = 2};
     random_soup(&in, ctx, &random);
     for (size_t n = 1; n < 1000; n++) {
         pc_memory_fail_at(ctx, n);
@@ -393,6 +420,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(unwelded_turned_and_doubled_faces, make_context, free_context),
         cmocka_unit_test_setup_teardown(touching_interior_vertices_stay_apart, make_context, free_context),
         cmocka_unit_test_setup_teardown(touching_cubes_come_apart, make_context, free_context),
+        cmocka_unit_test_setup_teardown(unjoined_triangles_are_refused, make_context, free_context),
         cmocka_unit_test_setup_teardown(fin_is_cut_off_and_dropped, make_context, free_context),
         cmocka_unit_test_setup_teardown(moebius_strip_is_refused_or_torn, make_context, free_context),
         cmocka_unit_test_setup_teardown(fold_vanishes, make_context, free_context),
