@@ -69,8 +69,10 @@ static void quartic(double c[5], const double *strength, const double *gradient,
 static double way_along(const double c[5]) {
     enum { DOUBLINGS = 60, HALVINGS = 60 };
     double low = 0, high = 1;
-    for (int k = 0; k < DOUBLINGS; k++, low = high, high *= 2)
+    for (int k = 0; k < DOUBLINGS; k++) {
         if (c[1] + high * (2 * c[2] + high * (3 * c[3] + high * 4 * c[4])) > 0) break;
+        low = high, high *= 2;
+    }
     for (int k = 0; k < HALVINGS; k++) {
         double tau = 0.5 * (low + high);
         if (c[1] + tau * (2 * c[2] + tau * (3 * c[3] + tau * 4 * c[4])) > 0)

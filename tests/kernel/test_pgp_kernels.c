@@ -114,6 +114,7 @@ static void same_coordinates(const pair *p, pc_context *ctx, const double *phase
         assert_ok(ctx, pc_pgp_launch_shifts(&got, ctx, p->device, mesh, &p->s.adjacency, &p->expected));
         assert_memory_equal(got.turn, expected.turn, halves);
         assert_memory_equal(got.shift, expected.shift, 2 * sizeof(int32_t) * halves);
+        pc_reconstruct_flags(&got, mesh);
         assert_ok(ctx, pc_param_check(&got, ctx, mesh, &p->s.adjacency));
     }
     pc_param_free(&expected, ctx);
