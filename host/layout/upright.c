@@ -348,7 +348,8 @@ done:
 pc_status pc_upright_make(pc_polymesh *quads, uint8_t *folded, pc_index *left, pc_context *ctx,
                           const pc_ground *ground, const pc_upright_options *options) {
     pc_status status = PC_OK;
-    uprighting u = {.quads = quads, .ground = ground, .folded = folded};
+    uprighting u = {.quads = quads, .ground = ground};
+    u.folded = folded;
     *left = 0;
     PC_TRY(allocate(&u, ctx));
     PC_TRY(sweep(&u, left, ctx, u.bent, options->bent_rounds, 0));

@@ -201,7 +201,7 @@ done:
 static pc_status carry_out(closing *c, pc_context *ctx) {
     pc_status status = PC_OK;
     size_t faces = 4 * (size_t)c->mesh->face_count; /* four may come of each */
-    if (c->touched_room < faces) {
+    if (!c->touched || c->touched_room < faces) {
         PC_TRY(pc_resize(&c->touched, ctx, 2 * faces));
         c->touched_room = 2 * faces;
     }

@@ -31,8 +31,9 @@ pc_status pc_facets_make(pc_facets *facets, pc_context *ctx, const pc_tspline *s
         pc_index *corner = facets->mesh.triangle + 6 * (size_t)e * n * n;
         pc_index first = e * row * row;
         for (pc_index i = 0; i < row * row; i++) {
-            double s = element->low[0] + (element->high[0] - element->low[0]) * (i % row) / per_side;
-            double t = element->low[1] + (element->high[1] - element->low[1]) * (i / row) / per_side;
+            const pc_index column = i % row, line = i / row;
+            double s = element->low[0] + (element->high[0] - element->low[0]) * column / per_side;
+            double t = element->low[1] + (element->high[1] - element->low[1]) * line / per_side;
             pc_vec3 p = flat ? flat_point(spline, element, s, t)
                              : pc_tspline_point(spline, (pc_surface_place){e, s, t});
             pc_vec3_put(facets->mesh.position, first + i, p);
@@ -60,7 +61,8 @@ pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, con
     const pc_element *element = facets->basis->element + e;
     bool upper = triangle % 2;
     double u = upper ? 1 - weight[1] : weight[1], v = upper ? 1 - weight[2] : weight[2];
-    double s = (square % n + u) / n, t = (square / n + v) / n;
+    const pc_index column = square % n, line = square / n;
+    double s = (column + u) / n, t = (line + v) / n;
     return (pc_surface_place){e, element->low[0] + s * (element->high[0] - element->low[0]),
                               element->low[1] + t * (element->high[1] - element->low[1])};
 }

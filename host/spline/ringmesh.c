@@ -285,9 +285,9 @@ static void set_side_point(double *to, const pc_ringmesh *ring, pc_ringcorner at
 }
 
 static void set_corner_point(double *to, const pc_ringmesh *ring, pc_ringcorner at) {
-    pc_ringcorner around[MOST_AROUND];
+    pc_ringcorner around[MOST_AROUND] = {{0, 0}};
     double d[4];
-    faces_around(around, ring, at);
+    faces_around(around, ring, at); /* four: the vertex is regular */
     for (int i = 0; i < 4; i++)
         d[i] = ring->face[around[i].face].interval[around[i].corner];
     for (int i = 0; i < 4; i++)

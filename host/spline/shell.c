@@ -113,7 +113,7 @@ static pc_status add_side_edge(making *m, pc_context *ctx, pc_index f, int side,
         for (int k = 0; k < 2; k++) {
             pc_index at = 0;
             if (range[k] <= span[0] || range[k] >= span[1] || count == MOST) continue;
-            while (knot[at] < range[k])
+            while (at + 1 < count && knot[at] < range[k])
                 at++;
             if (knot[at] == range[k]) continue;
             memmove(knot + at + 1, knot + at, (count - at) * sizeof *knot);

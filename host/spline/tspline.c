@@ -97,9 +97,9 @@ static local localise(const pc_tspline *spline, pc_surface_place place) {
 
 static pc_vec3 combine(const double *bezier, const double s[4], const double t[4], double scale) {
     pc_vec3 p = {0, 0, 0};
-    for (int j = 0; j < 4; j++)
-        for (int i = 0; i < 4; i++)
-            p = pc_madd(p, s[i] * t[j], pc_vec3_at(bezier, (size_t)(i + 4 * j)));
+    for (size_t j = 0; j < 4; j++)
+        for (size_t i = 0; i < 4; i++)
+            p = pc_madd(p, s[i] * t[j], pc_vec3_at(bezier, i + 4 * j));
     return pc_scale(scale, p);
 }
 
