@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""What `percale convert` makes of scans when nothing is asked for: a table in markdown.
+
+usage: scans.py [--percale PROGRAM] [--commit C] SCAN... [-- OPTIONS OF percale convert] > table.md
+The figures are those of each run's report.json. Standard library only.
+"""
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+HEAD = ("scan", "triangles", "exit code", "quads", "irregular", "field singularities", "tries",
+        "distance: mean, largest (% of the diagonal)", "seconds", "CPU s", "peak, MB", "what the result misses")
+
+INTRODUCTION = """# Scans converted at the defaults
+
+Made by `bench/scans.py`. Irregular: inner vertices without four quads. Tries: parameterizations made, for places that wanted finer
+cells. Distance: of points of the scan to the quads. Peak: of the memory of
+any stage.
+"""
+
+
+def row(program, scan, options, folder):
+    run = subprocess.run([program, "convert", scan, "-o", folder, "--no-pictures", "-q", *options], check=False,
+                         capture_output=True, text=True)
+    name = pathlib.Path(scan).name
+    path = pathlib.Path(folder, "report.json")
+    if not path.exists():
+        return (name, "", run.returncode, *[""] * (len(HEAD) - 4), run.stderr.strip().split(": ", 2)[-1])
+    report = json.loads(path.read_text(encoding="utf-8"))
+    stages = {stage["name"]: stage for stage in report["stages"]}
+    facts, figures = stages["param"]["facts"], report["statistics"]
+    distance = figures["distance_scan_to_quads"]
+    missed = [check["name"] for check in report["certificate"]["checks"] if not check["passed"]]
+    return (name, f"{stages['scan']['facts']['faces']:,}", run.returncode, f"{figures['quads']['faces']:,}",
+            figures["irregular_interior_vertices"], facts["field_singularities"], facts["tries"],
+            f"{100 * distance['mean']:.3f}, {100 * distance['max']:.2f}",
+            f"{sum(stage['seconds'] for stage in report['stages']):.1f}",
+            f"{sum(stage['cpu_seconds'] for stage in report['stages']):.1f}",
+            f"{max(stage['peak_bytes'] for stage in report['stages']) / 1e6:,.0f}", ", ".join(missed))
+
+
+def main():
+    split = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    arguments, options = sys.argv[1:split], sys.argv[split + 1:]
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--percale", default="build/release/percale")
+    parser.add_argument("--commit", default="unknown")
+    parser.add_argument("scan", nargs="+")
+    chosen = parser.parse_args(arguments)
+    print(INTRODUCTION)
+    print(f"{datetime.date.today()}, commit {chosen.commit}, {os.cpu_count()} CPUs, load {os.getloadavg()[0]:.1f} at the start"
+          + (f", options `{' '.join(options)}`" if options else "") + ".\n")
+    print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD), flush=True)
+    for scan in chosen.scan:
+        with tempfile.TemporaryDirectory() as folder:
+            cells = row(chosen.percale, scan, options, os.path.join(folder, "out"))
+        print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
