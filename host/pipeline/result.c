@@ -43,13 +43,17 @@ done:
     return status;
 }
 
-/* A stage's file has no mesh; that of the mesh stage lies beside it. */
+static const char *mesh_group(pc_store *store) {
+    return pc_store_has(store, "mesh") ? "mesh" : pc_store_has(store, "scan") ? "scan" : NULL;
+}
+
+/* A stage's file has no mesh; that of the mesh stage lies beside it. Before that stage there is the scan. */
 static pc_status load_mesh(pc_held *held, pc_context *ctx, const char *path) {
     pc_store *store = NULL;
     char *folder = NULL, *file = NULL;
     pc_status status = PC_OK;
     PC_TRY(open_for(&store, ctx, path, "mesh"));
-    if (store && !pc_store_has(store, "mesh") && !is_folder(path)) {
+    if (store && !mesh_group(store) && !is_folder(path)) {
         pc_store_close(store);
         store = NULL;
         PC_TRY(pc_folder_join(&folder, ctx, path, "..", ""));
@@ -59,11 +63,11 @@ static pc_status load_mesh(pc_held *held, pc_context *ctx, const char *path) {
         PC_TRY(pc_folder_join(&file, ctx, folder, "mesh", ".h5"));
         PC_TRY(pc_store_open(&store, ctx, file));
     }
-    if (!store || !pc_store_has(store, "mesh")) {
+    if (!store || !mesh_group(store)) {
         status = pc_fail(ctx, PC_E_USAGE, "%s: holds no mesh to draw", path);
         goto done;
     }
-    PC_TRY(pc_mesh_load(&held->mesh.mesh, store, "mesh"));
+    PC_TRY(pc_mesh_load(&held->mesh.mesh, store, mesh_group(store)));
 done:
     pc_store_close(store);
     pc_free(ctx, folder);

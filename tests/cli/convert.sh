@@ -24,3 +24,6 @@ find deep -type f | sort
 python3 -c 'import struct; print(struct.unpack(">II", open("scan.png", "rb").read()[16:24]))'
 try "$PERCALE" render deep/out -o scan.png --size 160x120
 try "$PERCALE" render deep/out -o field.png --what field
+# Before there is more, the scan itself is drawn.
+convert t.obj -o early --to scan --no-pictures
+try "$PERCALE" render early -o early.png --size 160x120
