@@ -19,8 +19,7 @@ HEAD = ("scan", "triangles", "exit code", "quads", "irregular", "field singulari
 INTRODUCTION = """# Scans converted at the defaults
 
 Made by `bench/scans.py`. Irregular: inner vertices without four quads. Tries: parameterizations made, for places that wanted finer
-cells. Distance: of points of the scan to the quads. Peak: of the memory of
-any stage.
+cells. Distance: of points of the scan to the quads. Peak: the most memory that a stage took.
 """
 
 
