@@ -1,19 +1,11 @@
 #include "basis.h"
 #include "cubic.h"
+#include "growing.h"
 #include "memory.h"
 #include "nurcc.h"
 #include "support.h"
 #include <math.h>
 #include <string.h>
-
-/* A list that grows. */
-#define APPEND_ROOM(list, count, room, more)                                                                 \
-    do {                                                                                                     \
-        if ((count) + (more) > (room)) {                                                                     \
-            PC_TRY(pc_resize(&(list), ctx, 2 * (room) + (more)));                                            \
-            (room) = 2 * (room) + (more);                                                                    \
-        }                                                                                                    \
-    } while (0)
 
 typedef struct building {
     pc_basis *basis;
@@ -62,8 +54,8 @@ done:
 static pc_status add_point(building *b, pc_context *ctx, pc_index v, const double *coefficient, size_t stride,
                            size_t count) {
     pc_status status = PC_OK;
-    APPEND_ROOM(b->basis->point, b->point_count, b->point_room, 1);
-    APPEND_ROOM(b->basis->coefficient, b->coefficient_count, b->coefficient_room, count);
+    PC_GROW(b->basis->point, b->point_count, b->point_room, 1);
+    PC_GROW(b->basis->coefficient, b->coefficient_count, b->coefficient_room, count);
     b->basis->point[b->point_count++] = v;
     for (size_t i = 0; i < count; i++)
         b->basis->coefficient[b->coefficient_count++] = coefficient[i * stride];

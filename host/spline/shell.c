@@ -1,5 +1,6 @@
 #include "shell.h"
 #include "cubic.h"
+#include "growing.h"
 #include "memory.h"
 #include <stdlib.h>
 #include <string.h>
@@ -13,14 +14,6 @@ void pc_shell_free(pc_shell *shell, pc_context *ctx) {
     pc_free(ctx, shell->knot);
     *shell = (pc_shell){0};
 }
-
-#define GROW(list, count, room, more)                                                                        \
-    do {                                                                                                     \
-        if ((count) + (more) > (room)) {                                                                     \
-            PC_TRY(pc_resize(&(list), ctx, 2 * (room) + (more)));                                            \
-            (room) = 2 * (room) + (more);                                                                    \
-        }                                                                                                    \
-    } while (0)
 
 /* The edges along one half-edge of the T-mesh, from its tail to its head. */
 typedef struct chain {
@@ -39,7 +32,7 @@ typedef struct making {
 static pc_status add_vertex(making *m, pc_context *ctx, pc_vec3 p, pc_index *vertex) {
     pc_status status = PC_OK;
     pc_shell *s = m->shell;
-    GROW(s->vertex, 3 * (size_t)s->vertex_count, s->vertex_room, 3);
+    PC_GROW(s->vertex, 3 * (size_t)s->vertex_count, s->vertex_room, 3);
     pc_vec3_put(s->vertex, s->vertex_count, p);
     *vertex = s->vertex_count++;
 done:
@@ -86,9 +79,9 @@ static pc_status add_edge(making *m, pc_context *ctx, pc_index from, pc_index to
     pc_status status = PC_OK;
     pc_shell *s = m->shell;
     pc_index points = knot_count + 2;
-    GROW(s->edge, (size_t)s->edge_count, s->edge_room, 1);
-    GROW(s->point, s->point_count, s->point_room, 3 * (size_t)points);
-    GROW(s->knot, s->knot_count, s->knot_room, (size_t)knot_count);
+    PC_GROW(s->edge, (size_t)s->edge_count, s->edge_room, 1);
+    PC_GROW(s->point, s->point_count, s->point_room, 3 * (size_t)points);
+    PC_GROW(s->knot, s->knot_count, s->knot_room, (size_t)knot_count);
     s->edge[s->edge_count++] = (pc_shell_edge){
         .vertex = {from, to}, .point_count = points, .point = s->point_count / 3, .knot = s->knot_count};
     memcpy(s->knot + s->knot_count, knots, knot_count * sizeof *knots);
@@ -222,7 +215,7 @@ done:
 
 static pc_status add_to_loop(making *m, pc_context *ctx, pc_index directed) {
     pc_status status = PC_OK;
-    GROW(m->shell->loop, m->shell->loop_count, m->shell->loop_room, 1);
+    PC_GROW(m->shell->loop, m->shell->loop_count, m->shell->loop_room, 1);
     m->shell->loop[m->shell->loop_count++] = directed;
 done:
     return status;
@@ -257,14 +250,14 @@ static pc_status add_face(making *m, pc_context *ctx, const pc_block_surface *su
     pc_shell *s = m->shell;
     pc_index n = surface->line_count[0] + 2, k = surface->line_count[1] + 2;
     size_t points = 3 * (size_t)n * k;
-    GROW(s->face, (size_t)s->face_count, s->face_room, 1);
-    GROW(s->point, s->point_count, s->point_room, points);
+    PC_GROW(s->face, (size_t)s->face_count, s->face_room, 1);
+    PC_GROW(s->point, s->point_count, s->point_room, points);
     pc_shell_face *face = s->face + s->face_count;
     *face = (pc_shell_face){.point_count = {n, k}, .point = s->point_count / 3, .loop = s->loop_count};
     memcpy(s->point + s->point_count, surface->point, points * sizeof *s->point);
     s->point_count += points;
     for (int d = 0; d < 2; d++) {
-        GROW(s->knot, s->knot_count, s->knot_room, (size_t)surface->line_count[d]);
+        PC_GROW(s->knot, s->knot_count, s->knot_room, (size_t)surface->line_count[d]);
         face->knot[d] = s->knot_count;
         memcpy(s->knot + s->knot_count, surface->line[d], surface->line_count[d] * sizeof *s->knot);
         s->knot_count += surface->line_count[d];
