@@ -2,6 +2,7 @@
 #include "borders.h"
 #include "comb.h"
 #include "connection.h"
+#include "geometry.h"
 #include "memory.h"
 #include "singularity.h"
 #include "smooth.h"
@@ -26,22 +27,6 @@ static void free_data(data *d, pc_context *ctx) {
     pc_free(ctx, d->area);
     pc_free(ctx, d->target);
     pc_free(ctx, d->weight);
-}
-
-/* A third of each triangle; vertices that have none get a trifle, so that the system stays definite. */
-static void vertex_areas(double *area, const pc_mesh *mesh) {
-    double sum = 0;
-    for (size_t h = 0; h < 3 * (size_t)mesh->face_count; h += 3) {
-        const pc_index *t = mesh->triangle + h;
-        pc_vec3 p = pc_vec3_at(mesh->position, t[0]), e = pc_sub(pc_vec3_at(mesh->position, t[1]), p);
-        double a = pc_norm(pc_cross(e, pc_sub(pc_vec3_at(mesh->position, t[2]), p))) / 6;
-        for (int k = 0; k < 3; k++)
-            area[t[k]] += a;
-        sum += 3 * a;
-    }
-    double least = mesh->vertex_count ? 1e-4 * sum / mesh->vertex_count : 0;
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        if (!(area[v] > least)) area[v] = least > 0 ? least : 1;
 }
 
 static void set_target(data *d, pc_index v, double angle, double weight, int n) {
@@ -122,7 +107,7 @@ pc_status pc_field_make(pc_field *field, pc_context *ctx, pc_device *device, con
     PC_TRY(new_field(field, ctx, mesh, options->symmetry));
     PC_TRY(new_data(&d, ctx, mesh->vertex_count));
     PC_TRY(pc_connection_make(&connection, ctx, mesh, adjacency));
-    vertex_areas(d.area, mesh);
+    pc_geometry_vertex_areas(d.area, mesh, 1e-4);
     curvature_data(&d, &connection, curvature, options->symmetry, options->feature_gain);
     PC_TRY(border_data(&d, ctx, mesh, adjacency, &connection, &smooth, options->borders));
     PC_TRY(pc_smooth_field(field->angle, ctx, device, mesh, adjacency, &connection, d.area, d.target,

@@ -36,6 +36,16 @@ void pc_mosaic_free(pc_mosaic *mosaic, pc_context *ctx);
  * layout, no arc with the same cell on both sides. PC_E_BUG else. */
 pc_status pc_mosaic_check(const pc_mosaic *mosaic, pc_context *ctx);
 
+/* Of a cell that is there: T-junctions end sides too. */
+static inline pc_index pc_mosaic_side_count(const pc_mosaic *m, pc_index cell) {
+    pc_index count = 0, s = m->first[cell];
+    do {
+        count++;
+        s = m->next[s];
+    } while (s != m->first[cell]);
+    return count;
+}
+
 /* A T-junction on a straight side of the cell of `side`, at its first node. */
 static inline bool pc_mosaic_is_flat(const pc_mosaic *m, pc_index side) {
     return m->degree[m->tail[side]] == 3 && m->angle[side] > 0.75 * PC_PI;

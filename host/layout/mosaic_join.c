@@ -31,15 +31,6 @@ static void link_sides(pc_mosaic *m, pc_index before, pc_index after) {
     m->prev[after] = before;
 }
 
-static pc_index count_sides(const pc_mosaic *m, pc_index cell) {
-    pc_index count = 0, s = m->first[cell];
-    do {
-        count++;
-        s = m->next[s];
-    } while (s != m->first[cell]);
-    return count;
-}
-
 /* The two arcs at a node that has no others become one, where polygons stay polygons. `side` leaves it. */
 static void straighten(pc_mosaic *m, pc_index side) {
     pc_index node = m->tail[side], back, in, twin_side = PC_NONE;
@@ -47,7 +38,7 @@ static void straighten(pc_mosaic *m, pc_index side) {
     in = m->prev[side], back = in ^ 1; /* the other side that leaves the node */
     pc_index a = m->cell[side], b = m->cell[back];
     if (m->tail[in] == m->tail[side ^ 1]) return;
-    if (count_sides(m, a) < 4 || (b != PC_NONE && count_sides(m, b) < 4)) return;
+    if (pc_mosaic_side_count(m, a) < 4 || (b != PC_NONE && pc_mosaic_side_count(m, b) < 4)) return;
     if (m->border[node] && (m->angle[side] < 0.75 * PC_PI || m->angle[side] > 1.25 * PC_PI)) return;
     /* in, side -> in; side^1, back -> back. */
     link_sides(m, in, m->next[side]);
@@ -72,7 +63,7 @@ bool pc_mosaic_join(pc_mosaic *m, pc_index to, pc_index other) {
     pc_index other_before = m->prev[end ^ 1], other_after = m->next[begin ^ 1];
     bool swallowed = other_after == (end ^ 1), swallows = after == begin;
     double at_begin = m->angle[begin], at_end = m->angle[end ^ 1];
-    for (pc_index s = m->first[other], k = count_sides(m, other); k > 0; k--, s = m->next[s])
+    for (pc_index s = m->first[other], k = pc_mosaic_side_count(m, other); k > 0; k--, s = m->next[s])
         m->cell[s] = to;
     for (pc_index s = begin;; s = m->next[s]) {
         m->degree[m->tail[s]]--, m->degree[m->tail[s ^ 1]]--;

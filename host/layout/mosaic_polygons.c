@@ -14,15 +14,6 @@ typedef struct plan {
     bool splits; /* some cell is split */
 } plan;
 
-static pc_index count_sides(const pc_mosaic *m, pc_index cell) {
-    pc_index count = 0, s = m->first[cell];
-    do {
-        count++;
-        s = m->next[s];
-    } while (s != m->first[cell]);
-    return count;
-}
-
 static bool is_there(const pc_mosaic *m, pc_index arc) {
     return m->tail[2 * arc] != PC_NONE;
 }
@@ -68,7 +59,7 @@ static pc_status make_plan(plan *p, pc_context *ctx, const pc_mosaic *m) {
     for (pc_index c = 0; c < m->cell_count; c++) {
         p->centre[c] = PC_NONE;
         if (m->first[c] == PC_NONE) continue;
-        pc_index sides = count_sides(m, c), s = m->first[c];
+        pc_index sides = pc_mosaic_side_count(m, c), s = m->first[c];
         bool split = pc_mosaic_is_pinched(m, c);
         if (split) p->centre[c] = 0, p->splits = true;
         p->faces += split ? sides : 1;
@@ -110,7 +101,7 @@ static pc_status place_centres(double *position, pc_context *ctx, const pc_mosai
     for (pc_index c = 0; c < m->cell_count; c++) {
         pc_vec3 sum = {0, 0, 0};
         if (p->centre[c] == PC_NONE) continue;
-        pc_index sides = count_sides(m, c), s = m->first[c];
+        pc_index sides = pc_mosaic_side_count(m, c), s = m->first[c];
         for (pc_index k = 0; k < sides; k++, s = m->next[s])
             sum = pc_add(sum, middle_of(m, s / 2));
         pc_vec3_put(target, c, pc_scale(1.0 / sides, sum));
@@ -143,7 +134,7 @@ static void add_corner(pc_polymesh *polygons, pc_index *at, pc_index vertex, boo
 /* The cell itself, the middles of its sides listed as flat corners; of what has fewer than three corners all
  * vertices are corners. */
 static void keep_cell(pc_polymesh *polygons, pc_index *at, const pc_mosaic *m, const plan *p, pc_index cell) {
-    pc_index sides = count_sides(m, cell), s = m->first[cell], corners = 0;
+    pc_index sides = pc_mosaic_side_count(m, cell), s = m->first[cell], corners = 0;
     for (pc_index k = 0; k < sides; k++, s = m->next[s])
         corners += !pc_mosaic_is_flat(m, s);
     for (pc_index k = 0; k < sides; k++, s = m->next[s]) {
@@ -157,7 +148,7 @@ static void write_cells(pc_polymesh *polygons, pc_index *face_cell, const pc_mos
     for (pc_index c = 0; c < m->cell_count; c++) {
         pc_index s = m->first[c];
         if (s == PC_NONE) continue;
-        pc_index faces = p->centre[c] == PC_NONE ? 1 : count_sides(m, c);
+        pc_index faces = p->centre[c] == PC_NONE ? 1 : pc_mosaic_side_count(m, c);
         for (pc_index k = 0; k < faces; k++, s = m->next[s]) {
             if (p->centre[c] == PC_NONE) {
                 keep_cell(polygons, &at, m, p, c);

@@ -133,13 +133,21 @@ double pc_geometry_mean_edge(const pc_mesh *mesh, const pc_adjacency *adjacency)
     return sum_blocks(partial) / adjacency->edge_count;
 }
 
-void pc_geometry_face_areas(double *area, const pc_mesh *mesh) {
-#pragma omp parallel for schedule(static)
-    for (size_t f = 0; f < mesh->face_count; f++) {
-        pc_vec3 p[3];
-        corners(p, mesh, f);
-        area[f] = pc_triangle_area(p[0], p[1], p[2]);
+void pc_geometry_vertex_areas(double *area, const pc_mesh *mesh, double least_share) {
+    double sum = 0;
+    for (pc_index v = 0; v < mesh->vertex_count; v++)
+        area[v] = 0;
+    for (size_t h = 0; h < 3 * (size_t)mesh->face_count; h += 3) {
+        const pc_index *t = mesh->triangle + h;
+        pc_vec3 p = pc_vec3_at(mesh->position, t[0]), e = pc_sub(pc_vec3_at(mesh->position, t[1]), p);
+        double third = pc_norm(pc_cross(e, pc_sub(pc_vec3_at(mesh->position, t[2]), p))) / 6;
+        for (int k = 0; k < 3; k++)
+            area[t[k]] += third;
+        sum += 3 * third;
     }
+    double least = mesh->vertex_count ? least_share * sum / mesh->vertex_count : 0;
+    for (pc_index v = 0; v < mesh->vertex_count; v++)
+        if (!(area[v] > least)) area[v] = least > 0 ? least : 1;
 }
 
 void pc_geometry_edge_lengths(double *length, const pc_mesh *mesh, const pc_adjacency *adjacency) {
@@ -166,15 +174,6 @@ void pc_geometry_cotangents(double *cotangent, const pc_mesh *mesh) {
             pc_vec3 tip = p[(k + 2) % 3];
             cotangent[3 * f + k] = pc_cotangent(pc_sub(p[k], tip), pc_sub(p[(k + 1) % 3], tip));
         }
-    }
-}
-
-void pc_geometry_face_normals(double *normal, const pc_mesh *mesh) {
-#pragma omp parallel for schedule(static)
-    for (size_t f = 0; f < mesh->face_count; f++) {
-        pc_vec3 p[3];
-        corners(p, mesh, f);
-        pc_vec3_put(normal, f, pc_triangle_normal(p[0], p[1], p[2]));
     }
 }
 

@@ -43,14 +43,14 @@ double pc_geometry_volume(const pc_mesh *mesh);
 /* Mean length over the edges, each once. 0 without edges. */
 double pc_geometry_mean_edge(const pc_mesh *mesh, const pc_adjacency *adjacency);
 
-/* One value per face / per edge / per corner 3f+k (angle at corner k). */
-void pc_geometry_face_areas(double *area, const pc_mesh *mesh);
+/* One value per vertex: a third of the area of its faces, and at least `least_share` of the mean, so that
+ * systems with these on the diagonal stay definite where faces have no area. 1 where no face has one. */
+void pc_geometry_vertex_areas(double *area, const pc_mesh *mesh, double least_share);
+/* One value per edge / per corner 3f+k (angle at corner k). */
 void pc_geometry_edge_lengths(double *length, const pc_mesh *mesh, const pc_adjacency *adjacency);
 void pc_geometry_corner_angles(double *angle, const pc_mesh *mesh);
 /* Per half-edge h: the cotangent of the angle opposite to it in its face, clamped. */
 void pc_geometry_cotangents(double *cotangent, const pc_mesh *mesh);
-/* 3 per face, unit length, zero for zero-area faces. */
-void pc_geometry_face_normals(double *normal, const pc_mesh *mesh);
 /* 3 per vertex, always unit length: the weighted mean of the faces' normals; where that vanishes the normal
  * of the largest face around, and the z axis where no face there has an area. */
 void pc_geometry_vertex_normals(double *normal, const pc_mesh *mesh, const pc_adjacency *adjacency,

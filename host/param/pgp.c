@@ -1,4 +1,5 @@
 #include "pgp.h"
+#include "geometry.h"
 #include "hostvec.h"
 #include "memory.h"
 #include "pgp_launch.h"
@@ -8,6 +9,7 @@
 #include <string.h>
 
 enum { GRAIN = 4096 };
+static const double LEAST_MASS = 1e-6; /* of the mean: a vertex among zero-area triangles still takes part */
 
 /* ---- the system ---- */
 
@@ -55,25 +57,6 @@ done:
 }
 
 /* ---- normalise and solve ---- */
-
-static void vertex_mass(double *mass, const pc_mesh *mesh) {
-    memset(mass, 0, sizeof(double) * mesh->vertex_count);
-    double total = 0;
-    for (pc_index f = 0; f < mesh->face_count; f++) {
-        const pc_index *t = mesh->triangle + 3 * (size_t)f;
-        pc_vec3 a = pc_vec3_at(mesh->position, t[0]);
-        pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, t[1]), a),
-                             pc_sub(pc_vec3_at(mesh->position, t[2]), a));
-        double third = pc_norm(n) / 6;
-        for (int k = 0; k < 3; k++)
-            mass[t[k]] += third;
-        total += 3 * third;
-    }
-    /* A vertex among zero-area triangles still takes part. */
-    double least = 1e-6 * total / (mesh->vertex_count ? mesh->vertex_count : 1);
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        if (mass[v] < least) mass[v] = least;
-}
 
 /* Per vertex the least shift: a reach beyond the vertex's component serves nothing and leaves a singular
  * system. */
@@ -151,7 +134,7 @@ static pc_status pose(problem *p, const pc_mesh *mesh, const pc_adjacency *adjac
     pc_index n = p->count = mesh->vertex_count;
     PC_TRY(pc_new(&p->mass, p->ctx, n));
     PC_TRY(pc_new(&p->least, p->ctx, n));
-    vertex_mass(p->mass, mesh);
+    pc_geometry_vertex_areas(p->mass, mesh, LEAST_MASS);
     PC_TRY(least_shifts(p->least, p->ctx, mesh, adjacency));
     PC_TRY(pc_pgp_assemble(&p->system, p->ctx, p->device, mesh, adjacency, rows, coupling));
     PC_TRY(pc_new(&p->degree, p->ctx, n));

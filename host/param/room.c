@@ -1,31 +1,16 @@
 #include "room.h"
 #include "connection.h"
 #include "edge_rows.h"
+#include "geometry.h"
 #include "memory.h"
 #include "solver.h"
-#include "vec3.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Per vertex a third of the area of its faces, and of the singularities in them. */
-static void spread_over_corners(double *area, double *singularities, const pc_mesh *mesh,
-                                const pc_field *field) {
-    double total = 0;
-    for (pc_index f = 0; f < mesh->face_count; f++) {
-        const pc_index *t = mesh->triangle + 3 * (size_t)f;
-        pc_vec3 p = pc_vec3_at(mesh->position, t[0]), a = pc_sub(pc_vec3_at(mesh->position, t[1]), p);
-        double third = pc_norm(pc_cross(a, pc_sub(pc_vec3_at(mesh->position, t[2]), p))) / 6;
-        total += 3 * third;
-        for (int k = 0; k < 3; k++) {
-            area[t[k]] += third;
-            singularities[t[k]] += abs(field->index[f]) / 3.0;
-        }
-    }
-    /* A vertex among zero-area triangles still takes part. */
-    double least = 1e-6 * total / (mesh->vertex_count ? mesh->vertex_count : 1);
-    for (pc_index v = 0; v < mesh->vertex_count; v++)
-        area[v] = fmax(area[v], least);
+static void spread_over_corners(double *singularities, const pc_mesh *mesh, const pc_field *field) {
+    for (pc_index h = 0; h < 3 * mesh->face_count; h++)
+        singularities[mesh->triangle[h]] += abs(field->index[h / 3]) / 3.0;
 }
 
 static pc_status heat_system(pc_system *system, pc_context *ctx, const pc_mesh *mesh,
@@ -64,7 +49,8 @@ pc_status pc_room_make(double *scale, pc_context *ctx, pc_device *device, const 
     PC_TRY(pc_new(&area, ctx, n));
     PC_TRY(pc_new(&singularities, ctx, n));
     PC_TRY(pc_new(&density, ctx, n));
-    spread_over_corners(area, singularities, mesh, field);
+    pc_geometry_vertex_areas(area, mesh, 1e-6);
+    spread_over_corners(singularities, mesh, field);
     PC_TRY(heat_system(&system, ctx, mesh, adjacency, area, options->period_length));
     PC_TRY(pc_solver_make(&solver, ctx, device, &system, &solver_options));
     pc_system_free(&system, ctx);
