@@ -13,10 +13,11 @@ import importlib.util
 import json
 import os
 import pathlib
-import platform
 import shlex
 import sys
 import tempfile
+
+from provenance import machine
 
 # name: (module it needs, package on PyPI)
 METHODS = {
@@ -192,17 +193,6 @@ def row_of(scan, method, base, result, quads):
                   f"{result['peak'] / 1e6:.0f}", result["note"]]
 
 
-def machine():
-    name = platform.machine()
-    try:
-        lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        name = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), name)
-    except OSError:
-        pass
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    return f"{name}, {os.cpu_count()} cores, {memory:.0f} GiB; load {os.getloadavg()[0]:.1f} when the table was printed"
-
-
 def version(package):
     try:
         return importlib.metadata.version(package)
@@ -228,8 +218,8 @@ the scan, shape of the quads, or alignment to curvature.
 def header(args, missing):
     packages = sorted({package for _, package in METHODS.values() if package})
     print("# Percale beside its peers\n\nMade by `bench/peers.py`.\n")
-    print(f"* date: {datetime.date.today()}\n* machine: {machine()}; shared with other work while this ran, "
-          "so times are rough")
+    print(f"* date: {datetime.date.today()}\n* machine: {machine('when the table was printed')}; "
+          "shared with other work while this ran, so times are rough")
     print(f"* commit: {args.commit}\n* peers: " + ", ".join(f"{p} {version(p) or 'not there'}" for p in packages))
     print(f"* command: `bench/peers.py --quads {args.quads} "
           + " ".join(pathlib.Path(scan).name for scan in args.scans) + "`, which runs `"

@@ -9,9 +9,10 @@ import datetime
 import json
 import os
 import pathlib
-import platform
 import subprocess
 import sys
+
+from provenance import commit_of_tree, machine
 
 COLUMNS = [("raw_dislocations", "dislocations of PGP"), ("raw_flipped", "flipped by PGP"), ("cones", "cones"),
            ("dislocations", "dislocations left"), ("flipped", "flipped left"), ("energy", "energy"), ("quads", "quads"),
@@ -34,22 +35,6 @@ everything until the coordinates are done, without layout and quads.
 """
 
 
-def machine():
-    name = platform.machine()
-    try:
-        lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        name = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), name)
-    except OSError:
-        pass
-    return f"{name}, {os.cpu_count()} cores; load {os.getloadavg()[0]:.1f} when the runs began; shared with other work"
-
-
-def commit_of_tree():
-    here = pathlib.Path(__file__).resolve().parent
-    run = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=here, capture_output=True, text=True, check=False)
-    return run.stdout.strip() or "unknown"
-
-
 def rows_of(program, scan, schemes):
     run = subprocess.run([program, scan, "--pgp", schemes], capture_output=True, text=True, check=False)
     print(run.stderr, end="", file=sys.stderr)
@@ -64,7 +49,8 @@ def main():
     parser.add_argument("--pgp", default="normalise,normalise:6:8:0.7:1e-2,newton")
     args = parser.parse_args()
     print(INTRODUCTION)
-    print(f"* date: {datetime.date.today()}\n* machine: {machine()}\n* commit: {args.commit}\n* threads: "
+    where = machine("when the runs began; shared with other work")
+    print(f"* date: {datetime.date.today()}\n* machine: {where}\n* commit: {args.commit}\n* threads: "
           f"{os.environ.get('OMP_NUM_THREADS', 'all')}\n")
     print("| scan | triangles | scheme | " + " | ".join(title for _, title in COLUMNS) + " |")
     print("|---|---:|---|" + "---:|" * len(COLUMNS), flush=True)

@@ -8,12 +8,12 @@ correction, and prints a table in markdown. Needs Python's standard library only
 import argparse
 import datetime
 import json
-import os
 import pathlib
-import platform
 import shlex
 import subprocess
 import sys
+
+from provenance import commit_of_tree, machine
 
 # Li, thesis, table F.1: model, triangles, then stretch, shear and seconds of PGP and of ccPGP, on a machine of 1.7 GHz.
 THESIS = [
@@ -27,25 +27,6 @@ THESIS = [
 # Scans that show a model of the table; all others are other models.
 SAME = {"stanford-bunny": "Bunny, at another resolution", "camelhead": "the head only of Camel"}
 OPTIONS = ["--edge-factor", "5", "--pgp", "normalise"]  # half a period, in mean edges: cells of ten, as in the thesis
-
-
-def machine():
-    """Processor, cores, memory and load, in words."""
-    name = platform.machine()
-    try:
-        lines = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        name = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), name)
-    except OSError:
-        pass
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    load = os.getloadavg()[0]
-    return f"{name}, {os.cpu_count()} cores, {memory:.0f} GiB; load {load:.1f} when the runs began"
-
-
-def commit_of_tree():
-    here = pathlib.Path(__file__).resolve().parent
-    run = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=here, capture_output=True, text=True, check=False)
-    return run.stdout.strip() or "unknown"
 
 
 def measure(program, scan, curl, reach):
@@ -88,7 +69,7 @@ def print_table(rows):
 
 INTRODUCTION = """# Distortion of the parameterization
 
-Made by `scripts/distortion_table.py`, which runs `bench_pgp` on each scan four times: cells of ten mean edges, all of one size as
+Made by `bench/distortion_table.py`, which runs `bench_pgp` on each scan four times: cells of ten mean edges, all of one size as
 far as the field lets them (no local refinement), without and with curl correction; `PGP` is the thesis's method, `Percale` cancels
 dislocations after it as the program does. Rows in *italics* are table F.1 of the thesis (Li 2006; its table 3.1 is the same without
 ccPGP), copied, on the thesis's own models and its machine of 1.7 GHz; they were not measured here. **The models differ**: only
@@ -116,7 +97,7 @@ def main():
     parser.add_argument("--bench", default="build/release/bench/bench_pgp")
     parser.add_argument("--commit", default=commit_of_tree(), help="what the program was built from")
     args = parser.parse_args()
-    where = machine()
+    where = machine("when the runs began")
     rows = []
     for scan in args.scans:
         for reach in ("0", "8"):
