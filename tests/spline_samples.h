@@ -25,23 +25,27 @@ static inline void refine_at_random(pc_tspline *spline, pc_context *ctx, uint64_
 
 enum { SAMPLE_SPHERE, SAMPLE_TORUS, SAMPLE_PLANE, SAMPLE_FOLDED, SAMPLE_COUNT };
 
-/* Closed with eight extraordinary vertices, closed without, open, closed with all sorts of them; all but the
- * torus refined. The plane is bent. */
-static inline void make_sample_spline(pc_tspline *spline, pc_context *ctx, int kind) {
+/* Closed with eight extraordinary vertices, closed without, open (a bent plane), closed with all sorts of
+ * them. */
+static inline void make_sample_quads(pc_tspline *spline, pc_context *ctx, int kind) {
     const pc_tmesh_options options = PC_TMESH_DEFAULTS;
     pc_polymesh quads;
-    if (kind == SAMPLE_SPHERE) assert_ok(ctx, pc_synth_quad_sphere(&quads, ctx, 4));
+    if (kind == SAMPLE_SPHERE) assert_ok(ctx, pc_synth_quad_sphere(&quads, ctx, 3));
     if (kind == SAMPLE_TORUS) assert_ok(ctx, pc_synth_quad_torus(&quads, ctx, 2, 1, 12, 8));
     if (kind == SAMPLE_PLANE) assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 6, 4, 7, 5));
-    if (kind == SAMPLE_FOLDED) make_random_quads(&quads, ctx, 42, 5, 10);
+    if (kind == SAMPLE_FOLDED) make_random_quads(&quads, ctx, 42, 4, 6);
     if (kind == SAMPLE_PLANE)
         for (pc_index v = 0; v < quads.vertex_count; v++)
             quads.position[3 * v + 2] = 0.1 * quads.position[3 * v] * quads.position[3 * v + 1];
     assert_ok(ctx, pc_tspline_make(spline, ctx, &quads, &options));
-    if (kind != SAMPLE_TORUS)
-        for (int i = 0; i < 2; i++)
-            refine_at_random(spline, ctx, (uint64_t)kind + 7, 15);
     pc_polymesh_free(&quads, ctx);
+}
+
+/* All but the torus are refined. */
+static inline void make_sample_spline(pc_tspline *spline, pc_context *ctx, int kind) {
+    make_sample_quads(spline, ctx, kind);
+    for (int i = 0; i < 2 && kind != SAMPLE_TORUS; i++)
+        refine_at_random(spline, ctx, (uint64_t)kind + 7, 15);
 }
 
 /* Places of the spline on face f of its shell, u and v in 0..1 of it; which faces there are is the order of
