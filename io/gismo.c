@@ -104,7 +104,7 @@ static void put_knots(pc_textout *out, const double *knot, pc_index count) {
     for (pc_index i = 0; i < count; i++)
         for (int k = 0; k < (i == 0 || i + 1 == count ? 4 : 1); k++) {
             if (i || k) pc_textout_put(out, " ");
-            pc_textout_real(out, knot[i]);
+            pc_textout_reals(out, knot + i, 1);
         }
 }
 
@@ -119,9 +119,9 @@ static void put_patch(pc_textout *out, const pc_shell *shell, pc_index f) {
     }
     pc_textout_put(out, "</Basis>\n<coefs geoDim=\"3\">\n");
     size_t points = (size_t)face->point_count[0] * face->point_count[1];
-    for (size_t i = 0; i < 3 * points; i++) {
-        pc_textout_real(out, shell->point[3 * face->point + i]);
-        pc_textout_put(out, i % 3 < 2 ? " " : "\n");
+    for (size_t i = 0; i < points; i++) {
+        pc_textout_reals(out, shell->point + 3 * (face->point + i), 3);
+        pc_textout_put(out, "\n");
     }
     pc_textout_put(out, "</coefs>\n</Geometry>\n");
 }

@@ -4,11 +4,8 @@
 
 static void put_nodes(pc_textout *out, const pc_tspline *spline, const pc_extraction *extraction) {
     for (pc_index i = 0; i < extraction->node_count; i++) {
-        pc_textout_put(out, "node");
-        for (int k = 0; k < 3; k++) {
-            pc_textout_put(out, " ");
-            pc_textout_real(out, spline->position[3 * (size_t)extraction->vertex[i] + k]);
-        }
+        pc_textout_put(out, "node ");
+        pc_textout_reals(out, spline->position + 3 * (size_t)extraction->vertex[i], 3);
         pc_textout_put(out, " 1\n");
     }
 }
@@ -21,10 +18,8 @@ static void put_element(pc_textout *out, const pc_basis *basis, const pc_extract
     for (size_t k = start; k < end; k++) {
         double c[16];
         pc_basis_coefficients(c, basis, e, extraction->order[k]);
-        for (int i = 0; i < 16; i++) {
-            pc_textout_put(out, i ? " " : "\n");
-            pc_textout_real(out, c[i]);
-        }
+        pc_textout_put(out, "\n");
+        pc_textout_reals(out, c, 16);
     }
     pc_textout_put(out, "\n");
 }

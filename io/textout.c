@@ -15,10 +15,17 @@ void pc_textout_put(pc_textout *out, const char *format, ...) {
     if (out->status == PC_OK) out->status = pc_writer_put(&out->writer, text, (size_t)length);
 }
 
-void pc_textout_real(pc_textout *out, double x) {
-    char text[PC_DECIMAL_SPACE];
-    size_t length = pc_decimal_write(text, x);
-    if (out->status == PC_OK) out->status = pc_writer_put(&out->writer, text, length);
+void pc_textout_reals(pc_textout *out, const double *x, size_t count) {
+    char text[PC_DECIMAL_SPACE + 1];
+    for (size_t i = 0; i < count; i++) {
+        size_t length = 0;
+        if (i) text[length++] = ' ';
+        if (x[i] == 0)
+            text[length++] = '0';
+        else
+            length += pc_decimal_write(text + length, x[i]);
+        if (out->status == PC_OK) out->status = pc_writer_put(&out->writer, text, length);
+    }
 }
 
 pc_status pc_textout_close(pc_textout *out, pc_status status) {

@@ -33,7 +33,7 @@ static inline void make_sample_quads(pc_tspline *spline, pc_context *ctx, int ki
     if (kind == SAMPLE_SPHERE) assert_ok(ctx, pc_synth_quad_sphere(&quads, ctx, 3));
     if (kind == SAMPLE_TORUS) assert_ok(ctx, pc_synth_quad_torus(&quads, ctx, 2, 1, 12, 8));
     if (kind == SAMPLE_PLANE) assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 6, 4, 7, 5));
-    if (kind == SAMPLE_FOLDED) make_random_quads(&quads, ctx, 42, 4, 6);
+    if (kind == SAMPLE_FOLDED) make_random_quads(&quads, ctx, 42, 3, 4);
     if (kind == SAMPLE_PLANE)
         for (pc_index v = 0; v < quads.vertex_count; v++)
             quads.position[3 * v + 2] = 0.1 * quads.position[3 * v] * quads.position[3 * v + 1];

@@ -6,14 +6,15 @@
 
 static bool skipped;
 
-/* How far the samples may be from the limit: nothing but rounding where all knot intervals are equal. */
+/* How far the samples may be from points of the limit: nothing but rounding where all knot intervals are
+ * equal; else those points lie elsewhere on it, with some hundredths between them. */
 static const struct {
     int kind;
     bool refined;
     double tolerance; /* of the diagonal */
 } cases[] = {
     {SAMPLE_TORUS, false, 1e-12}, {SAMPLE_SPHERE, false, 1e-12}, {SAMPLE_PLANE, false, 4e-3},
-    {SAMPLE_SPHERE, true, 1e-2},  {SAMPLE_PLANE, true, 1e-2},
+    {SAMPLE_SPHERE, true, 2e-2},  {SAMPLE_PLANE, true, 2e-2},
 };
 
 static void make(pc_tspline *spline, pc_context *ctx, int kind, bool refined) {
