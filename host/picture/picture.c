@@ -2,7 +2,10 @@
 #include "memory.h"
 #include <string.h>
 
-enum { LEGEND_WIDTH = 150 };
+/* Of the legend, in pixels: letters as large beside the model in pictures of any size. */
+static int legend_width(int width) {
+    return width > 900 ? width / 6 : 150;
+}
 
 static pc_color background(int row, int rows) {
     return pc_color_mix(0xfdfdfc, 0xebeef0, (float)row / (float)rows);
@@ -64,7 +67,8 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
     int s = options->samples;
     picture->width = options->width, picture->height = options->height, picture->samples = s;
     picture->columns = s * options->width, picture->rows = s * options->height;
-    int legend = options->legend && options->width > 3 * LEGEND_WIDTH ? LEGEND_WIDTH : 0;
+    const int wish = legend_width(options->width);
+    int legend = options->legend && options->width > 3 * wish ? wish : 0;
     int free_box[4] = {options->width - legend, 0, options->width, options->height};
     memcpy(picture->legend_box, free_box, sizeof(free_box));
     int box[4] = {0, 0, s * (options->width - legend), picture->rows};
