@@ -1,4 +1,5 @@
 #include "errors.h"
+#include "deviation.h"
 #include "memory.h"
 
 enum { SAMPLES = 250000, MOST_PER_SIDE = 16, SCAN_SAMPLES = 100000, FACETS = 1000000 };
@@ -57,24 +58,35 @@ static void normalise(double *bins, double sum) {
 }
 
 /* Every square shares its area among its four corners. */
-static void count_surface(measuring *m, double tolerance) {
+static pc_status count_surface(measuring *m, pc_context *ctx, double tolerance) {
+    static const double fraction[PC_ERRORS_QUANTILES] = {0.5, 0.95, 0.99};
     pc_errors *errors = m->errors;
+    pc_status status = PC_OK;
     const int n = errors->per_side, row = n + 1;
-    double sum = 0, within = 0;
-    for (size_t e = 0; e < errors->element_count; e++)
-        for (int k = 0; k < n * n; k++)
-            for (int c = 0; c < 4; c++) {
-                float d =
-                    errors
-                        ->distance[e * (size_t)(row * row) + (size_t)((k / n + c / 2) * row + k % n + c % 2)];
-                double area = m->area[e * (size_t)(n * n) + (size_t)k];
-                if (isnan(d)) continue;
-                errors->surface[bin_of(errors, (double)d)] += area;
-                sum += area;
-                within += tolerance > 0 && (double)d > tolerance ? 0 : area;
-            }
+    const size_t squares = (size_t)errors->element_count * (size_t)(n * n);
+    double *distance = NULL, *area = NULL, sum = 0, within = 0;
+    size_t count = 0;
+    PC_TRY(pc_new(&distance, ctx, 4 * squares));
+    PC_TRY(pc_new(&area, ctx, 4 * squares));
+    for (size_t i = 0; i < 4 * squares; i++) {
+        const int k = (int)(i / 4 % (size_t)(n * n)), c = (int)(i % 4);
+        const size_t at = i / 4 / (size_t)(n * n) * (size_t)(row * row);
+        float d = errors->distance[at + (size_t)((k / n + c / 2) * row + k % n + c % 2)];
+        if (isnan(d)) continue;
+        distance[count] = (double)d, area[count] = (double)m->area[i / 4];
+        errors->surface[bin_of(errors, distance[count])] += area[count];
+        sum += area[count];
+        within += tolerance > 0 && distance[count] > tolerance ? 0 : area[count];
+        count++;
+    }
     errors->within = sum > 0 ? within / sum : 1;
     normalise(errors->surface, sum);
+    for (int q = 0; q < PC_ERRORS_QUANTILES; q++)
+        errors->quantile[q] = pc_weighted_quantile(distance, area, count, fraction[q]);
+done:
+    pc_free(ctx, distance);
+    pc_free(ctx, area);
+    return status;
 }
 
 static pc_status ask_scan(pc_nearest **nearest, size_t *count, pc_context *ctx, const pc_tspline *spline,
@@ -130,7 +142,7 @@ pc_status pc_errors_make(pc_errors *errors, pc_context *ctx, const pc_tspline *s
     PC_TRY(ask_scan(&nearest, &errors->scan_count, ctx, spline, target));
     errors->high = largest(errors, nearest, errors->scan_count, fmax(tolerance, reached));
     if (!(errors->high > 0)) errors->high = 1e-3 * target->diagonal;
-    count_surface(&m, tolerance);
+    PC_TRY(count_surface(&m, ctx, tolerance));
     for (size_t i = 0; i < errors->scan_count; i++)
         errors->scan[bin_of(errors, nearest[i].distance)] += 1;
     normalise(errors->scan, (double)errors->scan_count);

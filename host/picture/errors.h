@@ -5,7 +5,7 @@
 
 #include "target.h"
 
-enum { PC_ERRORS_BINS = 48 };
+enum { PC_ERRORS_BINS = 48, PC_ERRORS_QUANTILES = 3 };
 
 typedef struct pc_errors {
     pc_index element_count;
@@ -16,7 +16,8 @@ typedef struct pc_errors {
     double surface[PC_ERRORS_BINS]; /* part of the surface's area in each bin; sums to 1 */
     double scan[PC_ERRORS_BINS];    /* part of the scan's vertices whose distance to the surface is in it */
     double within;                  /* part of the surface's area within the tolerance; 1 without one */
-    size_t scan_count;              /* vertices of the scan that were asked */
+    double quantile[PC_ERRORS_QUANTILES]; /* distances that half, 95 % and 99 % of the area do not exceed */
+    size_t scan_count;                    /* vertices of the scan that were asked */
 } pc_errors;
 
 /* About a quarter of a million samples of the surface, and at most 100,000 vertices of the scan, evenly

@@ -137,6 +137,40 @@ pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture 
     return PC_OK;
 }
 
+/* How much of the old pixel k lies in new pixel x, in parts of which an old pixel has `to`. */
+static int share_of(int k, int x, int from, int to) {
+    int low = k * to > x * from ? k * to : x * from;
+    int high = (k + 1) * to < (x + 1) * from ? (k + 1) * to : (x + 1) * from;
+    return high - low;
+}
+
+static void shrink_pixel(uint8_t out[3], const uint8_t *pixels, const int from[2], const int to[2], int x,
+                         int y) {
+    uint64_t sum[3] = {0, 0, 0}, total = (uint64_t)from[0] * (uint64_t)from[1];
+    for (int j = y * from[1] / to[1]; j * to[1] < (y + 1) * from[1]; j++)
+        for (int i = x * from[0] / to[0]; i * to[0] < (x + 1) * from[0]; i++) {
+            uint64_t weight =
+                (uint64_t)share_of(i, x, from[0], to[0]) * (uint64_t)share_of(j, y, from[1], to[1]);
+            const uint8_t *pixel = pixels + 3 * ((size_t)j * (size_t)from[0] + (size_t)i);
+            for (int k = 0; k < 3; k++)
+                sum[k] += weight * pixel[k];
+        }
+    for (int k = 0; k < 3; k++)
+        out[k] = (uint8_t)((sum[k] + total / 2) / total);
+}
+
+pc_status pc_picture_shrink(uint8_t **shrunk, pc_context *ctx, const uint8_t *pixels, int width, int height,
+                            int to_width, int to_height) {
+    const int from[2] = {width, height}, to[2] = {to_width, to_height};
+    pc_status status = pc_new(shrunk, ctx, 3 * (size_t)to_width * (size_t)to_height);
+    if (status != PC_OK) return status;
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < to_height; y++)
+        for (int x = 0; x < to_width; x++)
+            shrink_pixel(*shrunk + 3 * ((size_t)y * (size_t)to_width + (size_t)x), pixels, from, to, x, y);
+    return PC_OK;
+}
+
 double pc_picture_pixel_length(const pc_picture *picture, double pixels) {
     return pixels * picture->samples / picture->pane[0].camera.scale;
 }
