@@ -2,7 +2,7 @@
 #include "deviation.h"
 #include "memory.h"
 
-enum { SAMPLES = 250000, MOST_PER_SIDE = 16, SCAN_SAMPLES = 100000, FACETS = 1000000 };
+enum { SAMPLES = 250000, MOST_PER_SIDE = 16, SCAN_SAMPLES = 100000, FACETS = 1000000, MOST_TOLERANCES = 6 };
 
 /* The nearest point is on an edge or vertex of the scan's border. */
 static bool is_on_border(const pc_target *target, const pc_bvh_hit *hit) {
@@ -140,8 +140,10 @@ pc_status pc_errors_make(pc_errors *errors, pc_context *ctx, const pc_tspline *s
     for (pc_index e = 0; e < elements; e++)
         measure_element(&m, e);
     PC_TRY(ask_scan(&nearest, &errors->scan_count, ctx, spline, target));
-    errors->high = largest(errors, nearest, errors->scan_count, fmax(tolerance, reached));
-    if (!(errors->high > 0)) errors->high = 1e-3 * target->diagonal;
+    errors->largest = largest(errors, nearest, errors->scan_count, reached);
+    errors->high = fmax(errors->largest, tolerance);
+    if (tolerance > 0) errors->high = fmin(errors->high, MOST_TOLERANCES * tolerance);
+    if (!(errors->high > 0)) errors->high = target->diagonal > 0 ? 1e-3 * target->diagonal : 1;
     PC_TRY(count_surface(&m, ctx, tolerance));
     for (size_t i = 0; i < errors->scan_count; i++)
         errors->scan[bin_of(errors, nearest[i].distance)] += 1;

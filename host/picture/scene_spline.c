@@ -224,15 +224,19 @@ static double round_step(double high) {
     return power * (times < 1.5 ? 1 : times < 3.5 ? 2 : times < 7.5 ? 5 : 10);
 }
 
-static pc_status draw_legend(pc_picture *picture, pc_context *ctx, const pc_colormap *map, double tolerance,
-                             double high) {
+static pc_status draw_legend(pc_picture *picture, pc_context *ctx, const pc_colormap *map,
+                             const pc_errors *errors, double tolerance) {
+    const double high = errors->high;
+    const bool more = errors->largest > high;
     pc_tick tick[12];
     int count = 0;
     double step = round_step(high);
-    for (int k = 0; k < 10 && k * step <= high; k++) /* none under the mark of the tolerance */
+    for (int k = 0; k < 10 && k * step <= high * (more ? 0.9 : 1);
+         k++) /* none under the mark of the tolerance */
         if (!(tolerance > 0) || k * step > tolerance + 0.03 * high || k * step < tolerance - 0.09 * high)
             tick[count++] = (pc_tick){k * step, NULL};
     if (tolerance > 0) tick[count++] = (pc_tick){tolerance, "tolerance"};
+    if (more) tick[count++] = (pc_tick){high, "and more"};
     return pc_legend_draw_ticks(picture, ctx, map, high, "distance to the scan", tick, count);
 }
 
@@ -259,7 +263,7 @@ pc_status pc_scene_errors(pc_picture *picture, pc_context *ctx, const pc_tspline
     surface.value = value, surface.map = &map, surface.low = 0, surface.high = (float)errors->high;
     surface.cavity = 0.45F, surface.even = 0.55F;
     PC_TRY(pc_surface_draw(picture, ctx, &surface));
-    PC_TRY(draw_legend(picture, ctx, &map, tolerance, errors->high));
+    PC_TRY(draw_legend(picture, ctx, &map, errors, tolerance));
 done:
     pc_free(ctx, value);
     pc_tessellation_free(&t, ctx);

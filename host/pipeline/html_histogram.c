@@ -82,7 +82,12 @@ void pc_html_histogram(pc_html *html, const pc_errors *errors, double tolerance)
                 "</svg></div><figcaption><b>How the distances are spread.</b> Bars: from the surface to the "
                 "scan, as parts of its area. Line: from ");
     pc_html_count(html, (double)errors->scan_count);
-    pc_html_put(html,
-                " vertices of the scan to the surface. The scale of the parts is logarithmic.</figcaption>"
-                "</figure>");
+    pc_html_put(html, " vertices of the scan to the surface. The scale of the parts is logarithmic.");
+    if (errors->largest > errors->high) {
+        pc_html_put(html, " The last bin holds all that is more; the largest is ");
+        pc_html_number(html, errors->largest);
+        pc_html_put(html, ".");
+    }
+    pc_html_put(html, "</figcaption>"
+                      "</figure>");
 }

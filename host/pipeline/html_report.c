@@ -65,7 +65,7 @@ static void put_cards(pc_html *html, const pc_run *run, const pc_findings *findi
     if (findings->has_spline) {
         const pc_held_spline *held = findings->spline.held;
         put_card(html, held->surface.mesh.vertex_count, true, "control points");
-        put_card(html, held->stats.accuracy.max, false, "largest distance of the surface, both ways");
+        put_card(html, held->stats.accuracy.max, false, "largest distance, both ways");
     }
     if (findings->has_quality) {
         put_card(html, q->quads.faces, true, q->quad_cell_percent >= 100 ? "quads" : "cells");
@@ -73,47 +73,56 @@ static void put_cards(pc_html *html, const pc_run *run, const pc_findings *findi
         if (!findings->has_spline)
             put_card(html, q->scan_to_quads.max, false, "largest distance from the scan to the quads");
     }
-    pc_html_print(html, "<div><b class=\"time\">%.*f s</b><span>without writing files</span></div>",
+    pc_html_print(html, "<div><b class=\"time\">%.*f s</b><span>of computing</span></div>",
                   seconds < 10 ? 2 : 0, seconds);
     pc_html_put(html, "<div><b class=\"time\">");
     pc_html_bytes(html, (double)peak);
     pc_html_put(html, "</b><span>memory at most</span></div></div>\n");
 }
 
-static void put_asked(pc_html *html, const pc_run *run) {
-    static const char *const borders[] = {"not followed", "followed where smooth", "all followed"};
-    const pc_convert_options *o = run->options;
-    pc_html_put(html, "<h2>What was asked</h2>\n<div class=\"wide\"><table><tbody>\n");
-    pc_html_row(html, "size of the quads");
+static void put_size_wish(pc_html *html, const pc_convert_options *o) {
     if (o->quads) {
         pc_html_count(html, (double)o->quads);
         pc_html_put(html, " quads");
     } else if (o->edge_length > 0) {
-        pc_html_put(html, "edges of ");
+        pc_html_put(html, "quads with edges of ");
         pc_html_number(html, o->edge_length);
         pc_html_put(html, " in units of the scan");
     } else if (o->edge_factor > 0) {
-        pc_html_put(html, "edges of ");
+        pc_html_put(html, "quads with edges of ");
         pc_html_number(html, o->edge_factor);
         pc_html_put(html, " mean edges of the scan");
     } else {
-        pc_html_put(html, "left to Percale");
+        pc_html_put(html, "quads of a size left to Percale");
     }
+}
+
+static bool wants_spline(const pc_convert_options *o) {
+    return o->tolerance > 0 && o->last >= PC_STAGE_SPLINE;
+}
+
+static void put_spline_wish(pc_html *html, const pc_convert_options *o) {
+    pc_html_put(html, "a spline surface within ");
+    pc_html_number(html, o->tolerance_relative ? 100 * o->tolerance : o->tolerance);
+    pc_html_put(html, o->tolerance_relative ? "&#8201;% of the diagonal" : " in units of the scan");
+    if (!o->max_control_points) return;
+    pc_html_put(html, ", at most ");
+    pc_html_count(html, o->max_control_points);
+    pc_html_put(html, " control points");
+}
+
+static void put_asked(pc_html *html, const pc_run *run) {
+    static const char *const borders[] = {"not followed", "followed where smooth", "all followed"};
+    const pc_convert_options *o = run->options;
+    pc_html_put(html, "<h2>What was asked</h2>\n<div class=\"wide\"><table><tbody>\n");
+    pc_html_row(html, "result");
+    put_size_wish(html, o);
     pc_html_row_end(html);
-    pc_html_row(html, "spline surface");
-    if (o->tolerance > 0 && o->last >= PC_STAGE_SPLINE) {
-        pc_html_put(html, "within ");
-        pc_html_number(html, o->tolerance_relative ? 100 * o->tolerance : o->tolerance);
-        pc_html_put(html, o->tolerance_relative ? "&#8201;% of the diagonal" : " in units of the scan");
-        if (o->max_control_points) {
-            pc_html_put(html, ", at most ");
-            pc_html_count(html, o->max_control_points);
-            pc_html_put(html, " control points");
-        }
-    } else {
-        pc_html_put(html, "none");
+    if (wants_spline(o)) {
+        pc_html_row(html, "and");
+        put_spline_wish(html, o);
+        pc_html_row_end(html);
     }
-    pc_html_row_end(html);
     pc_html_row(html, "cells that are not quads");
     pc_html_put(html, o->keep_ngons ? "kept whole" : "split into quads");
     pc_html_row_end(html);
@@ -183,9 +192,17 @@ static void put_head(pc_html *html, const pc_run *run) {
     pc_html_put(html, pc_html_style);
     pc_html_put(html, "</style></head>\n<body><main>\n<header><h1>");
     pc_html_escape(html, name);
-    pc_html_put(html, "</h1><p class=\"soft\">Conversion by Percale ");
+    pc_html_put(html, "</h1><p class=\"soft\">");
+    pc_html_escape(html, run->record[PC_STAGE_SCAN].note);
+    pc_html_put(html, "</p><p class=\"soft\">Asked of Percale ");
     pc_html_escape(html, pc_version());
-    pc_html_put(html, "</p></header>\n");
+    pc_html_put(html, ": ");
+    put_size_wish(html, run->options);
+    if (wants_spline(run->options)) {
+        pc_html_put(html, "; ");
+        put_spline_wish(html, run->options);
+    }
+    pc_html_put(html, ".</p></header>\n");
 }
 
 static void put_foot(pc_html *html, const pc_run *run) {
@@ -198,8 +215,8 @@ static void put_foot(pc_html *html, const pc_run *run) {
     pc_html_put(html, "</p><p>Computed on ");
     pc_html_escape(html, pc_device_name(run->device));
     pc_html_print(html,
-                  ", <span class=\"time\">%d threads</span>. All figures are in report.json.</p></footer>\n",
-                  omp_get_max_threads());
+                  ", <span class=\"time\">%d thread%s</span>. All figures are in report.json.</p></footer>\n",
+                  omp_get_max_threads(), omp_get_max_threads() == 1 ? "" : "s");
     pc_html_put(html, "</main></body></html>\n");
 }
 

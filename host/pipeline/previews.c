@@ -4,6 +4,7 @@
 #include "png_file.h"
 #include "scene.h"
 #include "scene_spline.h"
+#include <math.h>
 
 static const struct {
     const char *name;
@@ -122,16 +123,37 @@ static pc_status draw(pc_picture *picture, pc_context *ctx, const pc_held *held,
     return pc_fail(ctx, PC_E_BUG, "no such picture");
 }
 
+/* The rows of pixels that show something, with a margin; never less than a legend needs. */
+static void rows_used(int rows[2], const pc_picture *picture) {
+    const int margin = picture->height / 40;
+    int low = picture->height * 5 / 6, high = picture->height / 6;
+    for (int y = 0; y < picture->rows; y++)
+        for (int x = 0; x < picture->columns; x++) {
+            if (!isfinite(picture->depth[(size_t)y * (size_t)picture->columns + (size_t)x])) continue;
+            int row = y / picture->samples;
+            low = row < low ? row : low;
+            high = row > high ? row : high;
+            break;
+        }
+    if (low > picture->height / 6) low = picture->height / 6;
+    if (high < picture->height * 5 / 6) high = picture->height * 5 / 6;
+    rows[0] = low > margin ? low - margin : 0;
+    rows[1] = high + 1 + margin < picture->height ? high + 1 + margin : picture->height;
+}
+
 /* The spline's pictures, which are looked at closely, larger than the others. */
 static pc_status keep_page(pc_album_page *page, pc_context *ctx, const uint8_t *pixels,
                            const pc_picture *picture, pc_preview_kind kind) {
     const int most = previews[kind].stage == PC_STAGE_SPLINE ? 1000 : 800;
     uint8_t *shrunk = NULL;
+    int rows[2];
     pc_status status = PC_OK;
-    page->width = picture->width < most ? picture->width : most;
-    page->height = (page->width * picture->height + picture->width / 2) / picture->width;
-    PC_TRY(
-        pc_picture_shrink(&shrunk, ctx, pixels, picture->width, picture->height, page->width, page->height));
+    rows_used(rows, picture);
+    const int width = picture->width, height = rows[1] - rows[0];
+    page->width = width < most ? width : most;
+    page->height = (page->width * height + width / 2) / width;
+    PC_TRY(pc_picture_shrink(&shrunk, ctx, pixels + 3 * (size_t)width * (size_t)rows[0], width, height,
+                             page->width, page->height));
     PC_TRY(pc_png_encode(&page->png, &page->size, ctx, shrunk, page->width, page->height));
 done:
     pc_free(ctx, shrunk);
