@@ -149,8 +149,7 @@ static void put_stage(pc_html *html, const pc_run *run, pc_stage_id id) {
     const pc_stage_record *record = &run->record[id];
     pc_html_put(html, "<tr><th>");
     pc_html_escape(html, pc_stage_title(id));
-    /* How many parts there are depends on the machine. */
-    pc_html_put(html, id == PC_STAGE_PARTS ? "</th><td class=\"time\">" : "</th><td>");
+    pc_html_put(html, "</th><td>");
     pc_html_escape(html, record->note);
     pc_html_put(html, "</td><td class=\"n time\">");
     if (record->state == PC_STAGE_MADE)
@@ -165,8 +164,10 @@ static void put_stages(pc_html *html, const pc_run *run) {
     pc_html_put(html,
                 "<h2>Stages</h2>\n<div class=\"wide\"><table><thead><tr><th>stage</th><th>what it found</th>"
                 "<th class=\"n\">time</th><th class=\"n\">memory</th></tr></thead><tbody>\n");
+    /* Parts leave no trace in the result, and how many there are is up to the machine. */
     for (int id = 0; id < PC_STAGE_EXPORT; id++)
-        if (run->record[id].state == PC_STAGE_MADE || run->record[id].state == PC_STAGE_LOADED)
+        if (id != PC_STAGE_PARTS &&
+            (run->record[id].state == PC_STAGE_MADE || run->record[id].state == PC_STAGE_LOADED))
             put_stage(html, run, (pc_stage_id)id);
     pc_html_put(html, "</tbody></table></div>\n");
 }
