@@ -26,7 +26,7 @@ const char *const pc_html_style =
     ".cards div{background:var(--sheet);border:1px solid var(--line);border-radius:8px;padding:.7rem .9rem}\n"
     ".cards b{display:block;font-size:1.35rem;font-weight:600;line-height:1.25}.cards span{color:var(--soft);"
     "font-size:.86rem;line-height:1.3;display:block}\n"
-    ".wide{overflow-x:auto}\n"
+    "td .soft{white-space:nowrap}.wide{overflow-x:auto}\n"
     "table{border-collapse:collapse;width:100%;font-size:.92rem}\n"
     "th,td{text-align:left;padding:.34rem .8rem .34rem 0;border-bottom:1px solid var(--line);"
     "vertical-align:top}\n"
