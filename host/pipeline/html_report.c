@@ -56,10 +56,12 @@ static void put_cards(pc_html *html, const pc_run *run, const pc_findings *findi
     const pc_quality *q = &findings->quality;
     double seconds = 0;
     size_t peak = 0;
+    bool kept = false;
     for (int id = 0; id < PC_STAGE_EXPORT; id++) {
         const pc_stage_record *record = &run->record[id];
         seconds += record->wall_seconds;
         if (record->resident_peak > peak) peak = record->resident_peak;
+        kept = kept || record->state == PC_STAGE_LOADED;
     }
     pc_html_put(html, "<div class=\"cards\">");
     if (findings->has_spline) {
@@ -73,8 +75,8 @@ static void put_cards(pc_html *html, const pc_run *run, const pc_findings *findi
         if (!findings->has_spline)
             put_card(html, q->scan_to_quads.max, false, "largest distance from the scan to the quads");
     }
-    pc_html_print(html, "<div><b class=\"time\">%.*f s</b><span>of computing</span></div>",
-                  seconds < 10 ? 2 : 0, seconds);
+    pc_html_print(html, "<div><b class=\"time\">%.*f s</b><span class=\"time\">of computing%s</span></div>",
+                  seconds < 10 ? 2 : 0, seconds, kept ? "; finished stages were kept" : "");
     pc_html_put(html, "<div><b class=\"time\">");
     pc_html_bytes(html, (double)peak);
     pc_html_put(html, "</b><span>memory at most</span></div></div>\n");

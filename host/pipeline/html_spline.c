@@ -82,13 +82,14 @@ static void put_continuity(pc_html *html, const pc_spline_findings *findings) {
         "between regular patches", "in faces with an extraordinary corner", "around closing patches",
         "edges that leave an extraordinary vertex"};
     static const char *const order[PC_JOINT_COUNT] = {"C2", "C2", "C1", "C0, nearly G1"};
-    pc_html_put(html,
-                "<h3>How smooth it is</h3>\n<p>Measured on both sides of every edge between patches. The gap "
-                "is told as a part of the diagonal, the jump of the curvature across the edge times the "
-                "size of the patch.</p>\n<div class=\"wide\"><table><thead><tr><th>edges</th><th>built "
-                "as</th><th class=\"n\">samples</th><th class=\"n\">gap</th><th class=\"n\">normals, "
-                "mean</th><th class=\"n\">normals, most</th><th class=\"n\">curvature, mean</th><th "
-                "class=\"n\">curvature, most</th></tr></thead><tbody>\n");
+    pc_html_put(
+        html, "<h3>How smooth it is</h3>\n<p>Measured on both sides of every edge between patches. The gap "
+              "is told as a part of the diagonal, the jump of the curvature across the edge times the "
+              "size of the patch.</p>\n<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">edges</th><th "
+              "rowspan=\"2\">built as</th><th class=\"n\" rowspan=\"2\">samples</th><th class=\"n\" "
+              "rowspan=\"2\">gap</th><th class=\"n\" colspan=\"2\">normals</th><th class=\"n\" "
+              "colspan=\"2\">curvature</th></tr><tr><th class=\"n\">mean</th><th class=\"n\">most</th><th "
+              "class=\"n\">mean</th><th class=\"n\">most</th></tr></thead><tbody>\n");
     for (int c = 0; c < PC_JOINT_COUNT; c++)
         if (findings->jump[c].sample_count)
             put_joint(html, name[c], order[c], findings->jump + c, findings->held->diagonal);

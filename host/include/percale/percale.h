@@ -37,6 +37,7 @@ extern "C" {
 #include "run.h"
 #include "scan.h"
 #include "scene.h"
+#include "scene_spline.h"
 #include "store.h"
 #include "topology.h"
 #include "version.h"
