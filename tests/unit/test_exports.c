@@ -109,6 +109,25 @@ static void patches_are_read(void **state) {
     }
 }
 
+static void step_curves_lie_on_surfaces(void **state) {
+    pc_context *ctx = *state;
+    for (int kind = 0; kind < SAMPLE_COUNT; kind++) {
+        pc_tspline spline;
+        pc_shell shell;
+        char faces[32];
+        make_sample_spline(&spline, ctx, kind);
+        assert_ok(ctx, pc_shell_make(&shell, ctx, &spline));
+        assert_ok(ctx, pc_step_write(ctx, &shell, size, "sample", "spline.step", false));
+        (void)snprintf(faces, sizeof faces, "%u", shell.face_count);
+        int result = run_python("tests/readers/check_step.py", "spline.step", "5", faces);
+        assert_int_equal(unlink("spline.step"), 0);
+        skipped |= result == PYTHON_SKIPS;
+        if (result != PYTHON_SKIPS) assert_int_equal(result, 0);
+        pc_shell_free(&shell, ctx);
+        pc_tspline_free(&spline, ctx);
+    }
+}
+
 /* All writers, by number. */
 enum { WRITERS = 6 };
 
@@ -181,6 +200,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(lack_of_memory_leaves_nothing, make_context, free_context),
         cmocka_unit_test_setup_teardown(extraction_is_read, make_context, free_context),
         cmocka_unit_test_setup_teardown(patches_are_read, make_context, free_context),
+        cmocka_unit_test_setup_teardown(step_curves_lie_on_surfaces, make_context, free_context),
     };
     int failed = cmocka_run_group_tests(tests, enter_folder, leave_folder);
     return failed == 0 && skipped ? PYTHON_SKIPS : failed;
