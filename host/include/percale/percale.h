@@ -15,15 +15,20 @@
 extern "C" {
 #endif
 
+#include "adapt.h"
 #include "certificate.h"
+#include "continuity.h"
 #include "curl.h"
 #include "curvature.h"
 #include "device.h"
+#include "differential.h"
 #include "field.h"
 #include "geometry.h"
+#include "insertion.h"
 #include "inspect.h"
 #include "layout.h"
 #include "memory.h"
+#include "nearest.h"
 #include "order.h"
 #include "param.h"
 #include "parts.h"
@@ -38,8 +43,12 @@ extern "C" {
 #include "scan.h"
 #include "scene.h"
 #include "scene_spline.h"
+#include "shell.h"
+#include "spline_store.h"
+#include "step.h"
 #include "store.h"
 #include "topology.h"
+#include "tspline.h"
 #include "version.h"
 #include "vtkhdf.h"
 
