@@ -1,69 +1,79 @@
 #include "fit.h"
 #include "memory.h"
-#include "solver.h"
+#include "threefold.h"
 
-/* One coordinate after the other with the same matrix, from the present control points. */
-static pc_status solve(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
-                       const pc_system *system, const double *right, double tolerance) {
-    pc_status status = PC_OK;
-    pc_solver *solver = NULL;
-    pc_solver_options options = {PC_PRECONDITION_JACOBI, 4000};
-    pc_solver_stats solved;
-    size_t rows = system->row_count;
-    double *x = NULL;
-    PC_TRY(pc_new(&x, ctx, rows));
-    PC_TRY(pc_solver_make(&solver, ctx, device, system, &options));
-    for (size_t k = 0; k < 3; k++) {
-        for (size_t v = 0; v < rows; v++)
-            x[v] = spline->position[3 * v + k];
-        PC_TRY(pc_solver_approach(solver, ctx, x, right + k * rows, tolerance, 1e-4, &solved));
-        stats->iterations += solved.iterations;
-        for (size_t v = 0; v < rows; v++)
-            spline->position[3 * v + k] = x[v];
+/* Half the diagonal of the box around the control points. */
+static double extent_of(const pc_tspline *spline) {
+    double low[3], high[3], square = 0;
+    for (int k = 0; k < 3; k++)
+        low[k] = high[k] = spline->position[k];
+    for (size_t i = 0; i < 3 * (size_t)spline->mesh.vertex_count; i++) {
+        low[i % 3] = fmin(low[i % 3], spline->position[i]);
+        high[i % 3] = fmax(high[i % 3], spline->position[i]);
     }
-done:
-    pc_solver_free(solver, ctx);
-    pc_free(ctx, x);
-    return status;
+    for (int k = 0; k < 3; k++)
+        square += (high[k] - low[k]) * (high[k] - low[k]);
+    return 0.5 * sqrt(square);
 }
 
-static double rms_of(const pc_tspline *spline, const pc_samples *samples) {
-    double sum = 0, weight = 0;
-    for (size_t i = 0; i < samples->count; i++) {
-        const pc_sample *s = samples->sample + i;
-        double d = pc_distance(pc_tspline_point(spline, s->place), s->target);
-        sum += s->weight * d * d;
-        weight += s->weight;
+/* Moves the free control points to the least energy; the residual goes down to `tolerance` of what the
+ * diagonal makes of the model's size. */
+static pc_status solve(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
+                       const pc_energy *energy, double tolerance) {
+    enum { MOST_ITERATIONS = 4000 };
+    const double enough = 1e4; /* times the goal, if it gets no better */
+    pc_status status = PC_OK;
+    pc_threefold *solver = NULL;
+    pc_threefold_stats solved;
+    double *move = NULL, square = 0;
+    for (pc_index r = 0; r < energy->row_count; r++)
+        square += energy->system.diagonal[r] * energy->system.diagonal[r];
+    const double goal = tolerance * extent_of(spline) * sqrt(square);
+    PC_TRY(pc_new(&move, ctx, 3 * (size_t)energy->row_count));
+    PC_TRY(pc_threefold_make(&solver, ctx, device, &energy->system));
+    status = pc_threefold_solve(solver, ctx, &solved, move, energy->right,
+                                (const double[3]){goal, goal, goal}, MOST_ITERATIONS);
+    stats->iterations += solved.iterations;
+    const double worst = fmax(solved.residual[0], fmax(solved.residual[1], solved.residual[2]));
+    if (status == PC_E_NOCONV && worst <= enough * goal) {
+        pc_context_clear_message(ctx);
+        pc_log(ctx, PC_LOG_WARNING, "a fit went on from %.3g of the residual it wanted", worst / goal);
+        status = PC_OK;
     }
-    return weight > 0 ? sqrt(sum / weight) : 0;
+    PC_TRY(status);
+    for (size_t r = 0; r < energy->row_count; r++)
+        for (size_t k = 0; k < 3; k++)
+            spline->position[3 * (size_t)energy->vertex[r] + k] += move[3 * r + k];
+done:
+    pc_threefold_free(solver, ctx);
+    pc_free(ctx, move);
+    return status;
 }
 
 pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
                  const pc_target *target, const pc_fit_options *options) {
     pc_status status = PC_OK;
     pc_samples samples = {0};
-    pc_system system = {0};
-    double *right = NULL;
+    pc_energy energy = {0};
     *stats = (pc_fit_stats){0};
+    PC_TRY(pc_energy_make(&energy, ctx, spline, NULL));
     for (int round = 0; round < options->rounds; round++) {
         pc_samples_options sampling = {options->flat && round == 0, options->per_side};
+        pc_energy_facts facts;
         PC_TRY(pc_check_interrupt(ctx));
         PC_TRY(pc_samples_make(&samples, ctx, spline, target, &sampling));
-        PC_TRY(pc_energy_assemble(&system, &right, ctx, spline, samples.sample, samples.count,
-                                  options->fairness, samples.stiffness));
-        stats->rms = rms_of(spline, &samples);
+        PC_TRY(pc_energy_fill(&energy, &facts, ctx, device, samples.sample, samples.count, options->fairness,
+                              samples.stiffness));
+        stats->rms = facts.weight > 0 ? sqrt(facts.square / facts.weight) : 0;
         stats->samples = samples.count;
         stats->refused = samples.refused;
         stats->flipped = samples.flipped;
-        PC_TRY(solve(spline, stats, ctx, device, &system, right, options->tolerance));
+        PC_TRY(solve(spline, stats, ctx, device, &energy, options->tolerance));
         pc_tspline_update(spline);
         pc_samples_free(&samples, ctx);
-        pc_system_free(&system, ctx);
-        pc_free(ctx, right), right = NULL;
     }
 done:
     pc_samples_free(&samples, ctx);
-    pc_system_free(&system, ctx);
-    pc_free(ctx, right);
+    pc_energy_free(&energy, ctx);
     return status;
 }

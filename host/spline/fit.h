@@ -7,11 +7,12 @@
 #include "target.h"
 
 typedef struct pc_fit_options {
-    double fairness;  /* weight of the bending energy; has no unit */
-    int rounds;       /* of correspondence and fit */
-    int per_side;     /* samples along the side of a face */
-    bool flat;        /* the control points are on the scan: begin from the faces between them */
-    double tolerance; /* relative residual of the solver */
+    double fairness; /* weight of the bending energy; has no unit */
+    int rounds;      /* of correspondence and fit */
+    int per_side;    /* samples along the side of a face */
+    bool flat;       /* the control points are on the scan: begin from the faces between them */
+    double
+        tolerance; /* of the solver: residual against what the matrix's diagonal makes of the model's size */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
     { 1e-5, 3, 5, false, 1e-8 }
@@ -19,7 +20,7 @@ typedef struct pc_fit_options {
 typedef struct pc_fit_stats {
     size_t samples, refused, flipped; /* in the last round */
     double rms;                       /* distance to the samples before the last solve, weighted */
-    pc_index iterations;              /* of the solver, over all rounds and coordinates */
+    pc_index iterations;              /* of the solver, over all rounds */
 } pc_fit_stats;
 
 /* PC_E_NOCONV where the solver does not converge; PC_E_NOMEM. */
