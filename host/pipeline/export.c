@@ -40,6 +40,12 @@ static pc_status measure(pc_findings *findings, pc_run *run) {
         certify(findings, run);
         findings->has_quality = true;
     }
+    if (finished(run, PC_STAGE_SPLINE)) {
+        PC_TRY(pc_stage_hold(run, PC_STAGE_SPLINE));
+        PC_TRY(pc_spline_findings_make(&findings->spline, run));
+        pc_spline_findings_certify(&findings->certificate, &p->spline);
+        findings->has_spline = true;
+    }
 done:
     return status;
 }
@@ -198,6 +204,7 @@ pc_status pc_export(char **report, pc_run *run) {
     PC_TRY(write_result(run, &findings));
     pc_progress(run->ctx, 0.6);
     if (finished(run, PC_STAGE_QUADS)) PC_TRY(write_quads(run));
+    if (finished(run, PC_STAGE_SPLINE)) PC_TRY(pc_spline_files_write(run, &findings.spline));
     if (finished(run, PC_STAGE_MESH)) PC_TRY(write_scan(run));
     pc_progress(run->ctx, 0.8);
     PC_TRY(write_pictures(run));
@@ -206,5 +213,6 @@ pc_status pc_export(char **report, pc_run *run) {
     if (findings.has_quality && !findings.certificate.passed)
         status = fail_certificate(run->ctx, &findings.certificate);
 done:
+    pc_spline_findings_free(&findings.spline, run->ctx);
     return status;
 }

@@ -12,8 +12,19 @@
 
 /* Everything that an export writes. */
 static const char *const results[] = {
-    PC_OUT_RESULT, PC_OUT_REPORT, "quads.obj",     "quads.ply",    "quads.hdf", "scan.hdf",
-    "scan.png",    "field.png",   "curvature.png", "isolines.png", "quads.png", "layout.png",
+    PC_OUT_RESULT,
+    PC_OUT_REPORT,
+    "quads.obj",
+    "quads.ply",
+    "quads.hdf",
+    "scan.hdf",
+    "scan.png",
+    "field.png",
+    "curvature.png",
+    "isolines.png",
+    "quads.png",
+    "layout.png",
+    PC_OUT_SURFACE ".step",
 };
 
 pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,
