@@ -45,18 +45,21 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
     pc_status status = PC_OK;
     pc_fit_options fit = options->fit;
     pc_face_error *error = NULL;
+    pc_track track = {0};
     uint8_t *wish = NULL;
     double least = INFINITY;
     int vain = 0;
     *stats = (pc_adapt_stats){.first_points = spline->mesh.vertex_count};
     fit.flat = true;
+    PC_TRY(pc_target_track(&track, ctx, target));
     for (stats->rounds = 0;; stats->rounds++) {
         pc_closure_stats closed;
         double limit;
-        PC_TRY(pc_fit(spline, &stats->fit, ctx, device, target, &fit));
+        PC_TRY(pc_fit(spline, &stats->fit, &track, ctx, device, target, &fit));
         fit.flat = false;
         PC_TRY(pc_new(&error, ctx, spline->mesh.face_count));
-        PC_TRY(pc_accuracy_measure(&stats->accuracy, error, ctx, spline, target, options->per_side));
+        const pc_accuracy_options measuring = {options->per_side, 0.5 * options->tolerance, NULL};
+        PC_TRY(pc_accuracy_update(&stats->accuracy, error, &track, ctx, spline, target, &measuring));
         if (stats->rounds == 0) stats->first_max = stats->accuracy.max;
         pc_log(ctx, PC_LOG_DEBUG,
                "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
@@ -73,6 +76,7 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
         PC_TRY(threshold(&limit, ctx, error, spline->mesh.face_count, options));
         if (!choose(wish, spline, error, limit, options->anisotropy)) break;
         PC_TRY(pc_insertion_refine(spline, &closed, ctx, wish));
+        PC_TRY(pc_track_carry(&track, ctx, spline));
         stats->junctions = closed.junctions;
         pc_free(ctx, error), error = NULL;
         pc_free(ctx, wish), wish = NULL;
@@ -81,6 +85,7 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
         status = pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
                          spline->mesh.vertex_count, stats->accuracy.max, options->tolerance);
 done:
+    pc_track_free(&track, ctx);
     pc_free(ctx, error);
     pc_free(ctx, wish);
     return status;

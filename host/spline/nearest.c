@@ -67,6 +67,16 @@ pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, con
                               element->low[1] + t * (element->high[1] - element->low[1])};
 }
 
+pc_index pc_facets_triangle(const pc_facets *facets, pc_surface_place place) {
+    const pc_element *e = facets->basis->element + place.element;
+    const int n = facets->per_side;
+    double u = n * (place.s - e->low[0]) / (e->high[0] - e->low[0]);
+    double v = n * (place.t - e->low[1]) / (e->high[1] - e->low[1]);
+    const int i = (int)fmin(fmax(u, 0), n - 1), j = (int)fmin(fmax(v, 0), n - 1);
+    const bool upper = u - i + v - j > 1;
+    return 2 * (place.element * (pc_index)(n * n) + (pc_index)(j * n + i)) + (upper ? 1 : 0);
+}
+
 /* Newton's step for the distance; where its matrix bends the wrong way that of Gauss and Newton. A parameter
  * that is `locked` (0 or 1, else -1) stays. */
 static void newton_step(double step[2], const pc_surface_point *x, pc_vec3 target, int locked) {
@@ -105,54 +115,43 @@ static int advance(pc_surface_place *place, const pc_element *e, const double st
 
 pc_nearest pc_nearest_from(const pc_tspline *spline, pc_surface_place place, pc_vec3 target) {
     enum { MOST_STEPS = 12 };
+    const double fine = 1e-7,
+                 last = 1e-4; /* of the element: no step, and one after which the next is nothing */
     pc_surface_point x = pc_tspline_evaluate(spline, place);
-    pc_nearest best = {place, x.p, pc_distance(x.p, target)};
+    pc_nearest best = {.place = place, .point = x.p, .distance = pc_distance(x.p, target)};
     double damping = 1;
     int locked = -1;
     for (int i = 0; i < MOST_STEPS && damping > 0.1; i++) {
         double step[2];
         const pc_element *e = spline->basis.element + best.place.element;
-        x = pc_tspline_evaluate(spline, best.place);
         newton_step(step, &x, target, locked);
         step[0] *= damping, step[1] *= damping;
-        double least = 1e-7 * (e->high[0] - e->low[0] + e->high[1] - e->low[1]);
-        if (fabs(step[0]) + fabs(step[1]) < least) break;
+        const double part =
+            (fabs(step[0]) + fabs(step[1])) / (e->high[0] - e->low[0] + e->high[1] - e->low[1]);
+        if (part < fine) break;
         place = best.place;
-        int side = advance(&place, e, step);
-        pc_surface_place beyond;
-        bool stays = place.s == best.place.s && place.t == best.place.t;
-        pc_vec3 p = pc_tspline_point(spline, place);
-        double distance = pc_distance(p, target);
-        if (stays || distance < best.distance) {
-            best = (pc_nearest){place, p, stays ? best.distance : distance};
-            if (side >= 0 && pc_tspline_cross(&beyond, spline, place, side)) {
-                best.place = beyond;
-                locked = -1;
-            } else if (side >= 0) { /* along the border of the surface */
-                if (locked >= 0) break;
-                locked = side == 1 || side == 3 ? 0 : 1;
-            }
-        } else {
+        const int side = advance(&place, e, step);
+        const bool stays = place.s == best.place.s && place.t == best.place.t;
+        const pc_surface_point y = pc_tspline_evaluate(spline, place);
+        const double distance = pc_distance(y.p, target);
+        if (!stays && !(distance < best.distance)) {
             damping /= 2;
+            continue;
+        }
+        x = y;
+        best.place = place, best.point = y.p, best.distance = fmin(distance, best.distance);
+        pc_surface_place beyond;
+        if (side >= 0 && pc_tspline_cross(&beyond, spline, place, side)) {
+            best.place = beyond;
+            locked = -1;
+            x = pc_tspline_evaluate(spline, beyond);
+        } else if (side >= 0) { /* along the border of the surface */
+            if (locked >= 0) break;
+            locked = side == 1 || side == 3 ? 0 : 1;
+        } else if (part < last) {
+            break;
         }
     }
+    best.normal = pc_cross(x.s, x.t);
     return best;
-}
-
-void pc_nearest_all(pc_nearest *nearest, const pc_tspline *spline, const pc_facets *facets,
-                    const double *points, size_t count) {
-    enum { CHUNK = 128 };
-    size_t chunks = (count + CHUNK - 1) / CHUNK;
-#pragma omp parallel for schedule(dynamic, 4)
-    for (size_t c = 0; c < chunks; c++) {
-        pc_index hint = PC_NONE;
-        for (size_t i = c * CHUNK; i < (c + 1) * CHUNK && i < count; i++) {
-            pc_vec3 p = pc_vec3_at(points, i);
-            pc_bvh_hit hit = pc_bvh_closest(&facets->tree, p, hint);
-            hint = hit.face;
-            nearest[i] = (pc_nearest){.place = {PC_NONE, 0, 0}, .distance = INFINITY};
-            if (hit.face != PC_NONE)
-                nearest[i] = pc_nearest_from(spline, pc_facets_place(facets, hit.face, hit.weight), p);
-        }
-    }
 }

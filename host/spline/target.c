@@ -22,46 +22,42 @@ void pc_target_free(pc_target *target, pc_context *ctx) {
     *target = (pc_target){0};
 }
 
+pc_status pc_target_track(pc_track *track, pc_context *ctx, const pc_target *target) {
+    return pc_track_make(track, ctx, target->mesh->vertex_count, target->mesh->position, target->normal);
+}
+
+void pc_hints_free(pc_hints *hints, pc_context *ctx) {
+    pc_free(ctx, hints->triangle);
+    *hints = (pc_hints){0};
+}
+
 typedef struct gathering {
     const pc_tspline *spline;
     const pc_target *target;
     const pc_samples_options *options;
-    pc_facets facets;
-    pc_sample *raw; /* of the scan's vertices, then of the faces; element PC_NONE: refused */
+    pc_facets facets; /* flat ones; before the first fit only */
+    pc_hints *hints;
+    bool first_hints; /* they are not known yet */
+    pc_sample *raw;   /* of the scan's vertices, then of the faces; element PC_NONE: refused */
     size_t count;
+    size_t idle; /* vertices that were not asked for */
 } gathering;
 
-/* The surface's normal at a place: of the flat facet before the first fit. */
-static pc_vec3 normal_at(const gathering *g, pc_surface_place place, pc_index triangle) {
-    if (g->options->flat && triangle != PC_NONE) {
-        const pc_index *t = g->facets.mesh.triangle + 3 * (size_t)triangle;
-        const double *x = g->facets.mesh.position;
-        return pc_triangle_normal(pc_vec3_at(x, t[0]), pc_vec3_at(x, t[1]), pc_vec3_at(x, t[2]));
-    }
-    pc_surface_point p = pc_tspline_evaluate(g->spline, place);
-    return pc_cross(p.s, p.t);
+static bool is_active(const gathering *g, pc_index element) {
+    return element != PC_NONE && (!g->options->active || g->options->active[element]);
 }
 
-static void sample_vertices(gathering *g) {
-    enum { CHUNK = 128 };
-    const pc_mesh *mesh = g->target->mesh;
-    pc_index chunks = (mesh->vertex_count + CHUNK - 1) / CHUNK;
-#pragma omp parallel for schedule(dynamic, 4)
-    for (pc_index c = 0; c < chunks; c++) {
-        pc_index hint = PC_NONE;
-        for (pc_index v = c * CHUNK; v < (c + 1) * CHUNK && v < mesh->vertex_count; v++) {
-            pc_vec3 p = pc_vec3_at(mesh->position, v);
-            g->raw[v] = (pc_sample){.place.element = PC_NONE, .target = p};
-            if (g->target->adjacency->vertex_half[v] == PC_NONE) continue;
-            pc_bvh_hit hit = pc_bvh_closest(&g->facets.tree, p, hint);
-            hint = hit.face;
-            if (hit.face == PC_NONE) continue;
-            pc_surface_place place = pc_facets_place(&g->facets, hit.face, hit.weight);
-            if (!g->options->flat) place = pc_nearest_from(g->spline, place, p).place;
-            if (pc_dot(normal_at(g, place, hit.face), pc_vec3_at(g->target->normal, v)) > 0)
-                g->raw[v].place = place;
-        }
+static void sample_vertices(gathering *g, const pc_track *track) {
+    size_t idle = 0;
+#pragma omp parallel for schedule(static) reduction(+ : idle)
+    for (pc_index v = 0; v < track->count; v++) {
+        const bool used = g->target->adjacency->vertex_half[v] != PC_NONE;
+        const bool asked = used && is_active(g, track->at[v].place.element);
+        g->raw[v] = (pc_sample){.place.element = PC_NONE, .target = pc_vec3_at(track->point, v)};
+        if (asked && track->facing[v]) g->raw[v].place = track->at[v].place;
+        idle += !asked;
     }
+    g->idle = idle;
 }
 
 /* A point of the surface, and its normal; the bilinear face's before the first fit. */
@@ -94,7 +90,7 @@ static int grid_of(const gathering *g, pc_index e) {
     return (int)ceil(part * g->options->per_side);
 }
 
-static void sample_element(gathering *g, pc_index e, pc_sample *to) {
+static void sample_element(gathering *g, pc_index e, pc_sample *to, pc_index *hints) {
     const pc_element *element = g->spline->basis.element + e;
     int n = grid_of(g, e);
     pc_index hint = PC_NONE;
@@ -103,8 +99,8 @@ static void sample_element(gathering *g, pc_index e, pc_sample *to) {
         pc_surface_place place = {e, element->low[0] + u * (element->high[0] - element->low[0]),
                                   element->low[1] + v * (element->high[1] - element->low[1])};
         pc_vec3 normal, scan = {0, 0, 0}, p = surface_point(g, place, &normal);
-        pc_bvh_hit hit = pc_bvh_closest(&g->target->tree, p, hint);
-        hint = hit.face;
+        pc_bvh_hit hit = pc_bvh_closest(&g->target->tree, p, g->first_hints ? hint : hints[i]);
+        hint = hints[i] = hit.face;
         to[i] = (pc_sample){.place.element = PC_NONE};
         if (hit.face == PC_NONE) continue;
         to[i] = (pc_sample){.place = place, .target = hit.point};
@@ -122,14 +118,21 @@ static pc_status sample_faces(gathering *g, pc_samples *samples, pc_context *ctx
     PC_TRY(pc_new(&start, ctx, (size_t)elements + 1));
     start[0] = vertices;
     for (pc_index e = 0; e < elements; e++)
-        start[e + 1] = start[e] + (size_t)(grid_of(g, e) * grid_of(g, e));
+        start[e + 1] = start[e] + (is_active(g, e) ? (size_t)(grid_of(g, e) * grid_of(g, e)) : 0);
     g->count = start[elements];
+    g->first_hints = g->hints->count != g->count - vertices;
+    if (g->first_hints) {
+        pc_hints_free(g->hints, ctx);
+        PC_TRY(pc_new(&g->hints->triangle, ctx, g->count - vertices));
+        g->hints->count = g->count - vertices;
+    }
     PC_TRY(pc_resize(&g->raw, ctx, g->count));
     PC_TRY(pc_new(&samples->stiffness, ctx, elements));
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(dynamic, 16)
     for (pc_index e = 0; e < elements; e++) {
         size_t lost = 0;
-        sample_element(g, e, g->raw + start[e]);
+        if (!is_active(g, e)) continue;
+        sample_element(g, e, g->raw + start[e], g->hints->triangle + (start[e] - vertices));
         for (size_t i = start[e]; i < start[e + 1]; i++)
             lost += g->raw[i].place.element == PC_NONE;
         samples->stiffness[e] = 1;
@@ -174,14 +177,12 @@ static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx
     size_t *start = NULL;
     PC_TRY(pc_new(&start, ctx, (size_t)basis->element_count + 2));
     for (size_t i = 0; i < g->count; i++) {
-        if (g->raw[i].place.element == PC_NONE)
-            samples->refused++;
-        else
-            start[g->raw[i].place.element + 2]++;
+        if (g->raw[i].place.element != PC_NONE) start[g->raw[i].place.element + 2]++;
     }
     for (size_t e = 0; e < basis->element_count; e++)
         start[e + 2] += start[e + 1];
-    samples->count = g->count - samples->refused;
+    samples->count = start[basis->element_count + 1];
+    samples->refused = g->count - g->idle - samples->count;
     PC_TRY(pc_new(&samples->sample, ctx, samples->count));
     for (size_t i = 0; i < g->count; i++)
         if (g->raw[i].place.element != PC_NONE)
@@ -199,14 +200,21 @@ done:
     return status;
 }
 
-pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
-                          const pc_target *target, const pc_samples_options *options) {
+pc_status pc_samples_make(pc_samples *samples, pc_hints *hints, pc_track *track, pc_context *ctx,
+                          const pc_tspline *spline, const pc_target *target,
+                          const pc_samples_options *options) {
     pc_status status = PC_OK;
-    gathering g = {.spline = spline, .target = target, .options = options};
+    gathering g = {.spline = spline, .target = target, .options = options, .hints = hints};
+    const pc_track_options tracking = {INFINITY, options->active};
     *samples = (pc_samples){0};
-    PC_TRY(pc_facets_make(&g.facets, ctx, spline, 4, options->flat));
-    PC_TRY(pc_new(&g.raw, ctx, target->mesh->vertex_count));
-    sample_vertices(&g);
+    if (options->flat) {
+        PC_TRY(pc_facets_make(&g.facets, ctx, spline, 4, true));
+        pc_track_project(track, &g.facets);
+    } else {
+        PC_TRY(pc_track_update(track, ctx, spline, &tracking));
+    }
+    PC_TRY(pc_new(&g.raw, ctx, track->count));
+    sample_vertices(&g, track);
     PC_TRY(refuse_flipped(&g, samples, ctx));
     PC_TRY(sample_faces(&g, samples, ctx));
     PC_TRY(sort_samples(&g, samples, ctx));

@@ -187,7 +187,7 @@ static void torus_converges(void **state) {
         assert_ok(ctx, pc_synth_quad_torus(&quads, ctx, 2, 1, 12 * n, 6 * n));
         assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
         options.flat = true, options.fairness = 1e-8, options.per_side = 0; /* vertices only */
-        assert_ok(ctx, pc_fit(&spline, &stats, ctx, s.host, &s.target, &options));
+        assert_ok(ctx, pc_fit(&spline, &stats, NULL, ctx, s.host, &s.target, &options));
         assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s.target, 5));
         print_message("torus of %u points: max %.3g, mean %.3g; %u iterations\n", spline.mesh.vertex_count,
                       accuracy.scan_max, accuracy.scan_mean, stats.iterations);
