@@ -46,10 +46,10 @@ inline void add_bending(double *y, const double *factor, global const double *pl
 kernel void fit_local(global double *restrict local_sums, global double *restrict tally,
                       global const uint *restrict first, global const double *restrict sample,
                       global const double *restrict bezier, global const double *restrict bending,
-                      global const double *restrict plate, const uint count, const uint chunk) {
+                      global const double *restrict plate, const uint count, const uint chunk, const uint values) {
     const uint from = get_global_id(0) * chunk, to = min(from + chunk, count);
     for (uint e = from; e < to; e++) {
-        double moment[49], pull[48], total = 0, weight = 0;
+        double moment[49], pull[48], total = 0, weight = 0, stiff = 0;
         const double factor[3] = {bending[3 * e], bending[3 * e + 1], bending[3 * e + 2]};
         global const double *x = bezier + 48 * (size_t)e;
         for (int i = 0; i < 49; i++)
@@ -61,8 +61,10 @@ kernel void fit_local(global double *restrict local_sums, global double *restric
                 y[i] = 0;
             }
             add_bending(y, factor, plate, c);
-            for (int i = 0; i < 16; i++)
+            for (int i = 0; i < 16; i++) {
                 pull[3 * i + k] = -y[i];
+                stiff += c[i] * y[i];
+            }
         }
         for (uint i = first[e]; i < first[e + 1]; i++) {
             global const double *p = sample + SAMPLE * (size_t)i;
@@ -79,6 +81,7 @@ kernel void fit_local(global double *restrict local_sums, global double *restric
                     pull[3 * k + d] += w * (s[k % 4] * t[k / 4]) * r[d];
             total += w * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
             weight += w;
+            if (!values) continue;
             powers(s, 6, p[0]);
             powers(t, 6, p[1]);
             for (int j = 0; j < 7; j++)
@@ -92,8 +95,9 @@ kernel void fit_local(global double *restrict local_sums, global double *restric
             out[PULL + i] = pull[i];
         for (int i = 0; i < 3; i++)
             out[BENDING + i] = factor[i];
-        tally[2 * (size_t)e] = total;
-        tally[2 * (size_t)e + 1] = weight;
+        tally[3 * (size_t)e] = total;
+        tally[3 * (size_t)e + 1] = weight;
+        tally[3 * (size_t)e + 2] = stiff;
     }
 }
 
@@ -127,13 +131,13 @@ kernel void fit_rows(global double *restrict value, global double *restrict diag
                      global const uint *restrict slot_start, global const ushort *restrict slot,
                      global const uint *restrict functions, global const uint *restrict coefficient_start,
                      global const double *restrict coefficient, global const double *restrict local_sums,
-                     global const double *restrict plate, const uint count, const uint chunk) {
+                     global const double *restrict plate, const uint count, const uint chunk, const uint values) {
     const uint from = get_global_id(0) * chunk, to = min(from + chunk, count);
     for (uint row = from; row < to; row++) {
         global const ushort *own = slot + slot_start[row];
-        global double *values = value + start[row];
+        global double *entry = value + start[row];
         double own_diagonal = 0, sum_x = 0, sum_y = 0, sum_z = 0;
-        for (uint k = start[row]; k < start[row + 1]; k++)
+        for (uint k = start[row]; k < start[row + 1] && values; k++)
             value[k] = 0;
         for (uint u = use_start[row]; u < use_start[row + 1]; u++) {
             const uint e = use_element[u];
@@ -143,13 +147,13 @@ kernel void fit_rows(global double *restrict value, global double *restrict diag
             global const double *all = coefficient + coefficient_start[e];
             double c[16], y[16];
             coefficients(c, all + stride * use[u], irregular);
-            apply_local(y, sums, plate, c);
             for (int k = 0; k < 16; k++) {
                 sum_x += c[k] * sums[PULL + 3 * k];
                 sum_y += c[k] * sums[PULL + 3 * k + 1];
                 sum_z += c[k] * sums[PULL + 3 * k + 2];
             }
-            for (uint k = 0; k < number; k++) {
+            if (values) apply_local(y, sums, plate, c);
+            for (uint k = 0; k < number && values; k++) {
                 if (own[k] == SLOT_FIXED) continue;
                 double other[16], sum = 0;
                 coefficients(other, all + stride * k, irregular);
@@ -158,7 +162,7 @@ kernel void fit_rows(global double *restrict value, global double *restrict diag
                 if (own[k] == SLOT_DIAGONAL)
                     own_diagonal += sum;
                 else
-                    values[own[k]] += sum;
+                    entry[own[k]] += sum;
             }
             own += number;
         }

@@ -197,7 +197,7 @@ pc_status pc_energy_make(pc_energy *energy, pc_context *ctx, const pc_tspline *s
     PC_TRY(list_uses(energy, ctx));
     PC_TRY(link_rows(energy, ctx));
     PC_TRY(pc_new(&energy->right, ctx, 3 * (size_t)energy->row_count));
-    PC_TRY(pc_new(&energy->tally, ctx, 2 * (size_t)energy->element_count));
+    PC_TRY(pc_new(&energy->tally, ctx, 3 * (size_t)energy->element_count));
 done:
     if (status != PC_OK) pc_energy_free(energy, ctx);
     return status;
@@ -234,9 +234,9 @@ static void powers(double *b, int n, double u) {
     }
 }
 
-static void add_sample(double *local, double *tally, const double *bezier, double u, double v,
-                       const pc_sample *sample) {
-    double s[7], t[7], value[16], r[3] = {sample->target.x, sample->target.y, sample->target.z};
+static void add_pull(double *local, double *tally, const double *bezier, double u, double v,
+                     const pc_sample *sample) {
+    double s[4], t[4], value[16], r[3] = {sample->target.x, sample->target.y, sample->target.z};
     powers(s, 3, u), powers(t, 3, v);
     s[1] *= 3, s[2] *= 3, t[1] *= 3, t[2] *= 3;
     for (int i = 0; i < 16; i++) {
@@ -244,14 +244,19 @@ static void add_sample(double *local, double *tally, const double *bezier, doubl
         for (int k = 0; k < 3; k++)
             r[k] -= value[i] * bezier[3 * i + k];
     }
-    for (int i = 0; i < 48; i++)
-        local[PC_LOCAL_PULL + i] += sample->weight * value[i / 3] * r[i % 3];
+    for (int i = 0; i < 16; i++)
+        for (int k = 0; k < 3; k++)
+            local[PC_LOCAL_PULL + 3 * i + k] += sample->weight * value[i] * r[k];
     tally[0] += sample->weight * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     tally[1] += sample->weight;
+}
+
+static void add_moments(double *moment, double u, double v, double weight) {
+    double s[7], t[7];
     powers(s, 6, u), powers(t, 6, v);
     for (int j = 0; j < 7; j++)
         for (int i = 0; i < 7; i++)
-            local[PC_LOCAL_MOMENT + i + 7 * j] += sample->weight * t[j] * s[i];
+            moment[i + 7 * j] += weight * t[j] * s[i];
 }
 
 /* y += the bending's matrix times the 16 numbers c. */
@@ -275,11 +280,13 @@ static void fill_local(double *local, double *tally, const pc_energy *energy, pc
     const pc_element *element = energy->spline->basis.element + e;
     const double *bezier = energy->spline->bezier + 48 * (size_t)e;
     memset(local, 0, PC_LOCAL_SIZE * sizeof *local);
-    tally[0] = tally[1] = 0;
+    memset(tally, 0, 3 * sizeof *tally);
     for (size_t i = work->first[e]; i < work->first[e + 1]; i++) {
-        const pc_surface_place *place = &work->samples[i].place;
-        add_sample(local, tally, bezier, (place->s - element->low[0]) / (element->high[0] - element->low[0]),
-                   (place->t - element->low[1]) / (element->high[1] - element->low[1]), work->samples + i);
+        const pc_sample *sample = work->samples + i;
+        const double u = (sample->place.s - element->low[0]) / (element->high[0] - element->low[0]);
+        const double v = (sample->place.t - element->low[1]) / (element->high[1] - element->low[1]);
+        add_pull(local, tally, bezier, u, v, sample);
+        if (work->values) add_moments(local + PC_LOCAL_MOMENT, u, v, sample->weight);
     }
     pc_energy_bending(local + PC_LOCAL_BENDING, energy->spline, e,
                       work->stiffness ? work->stiffness[e] * work->fairness : work->fairness);
@@ -288,16 +295,19 @@ static void fill_local(double *local, double *tally, const pc_energy *energy, pc
         for (int i = 0; i < 16; i++)
             x[i] = bezier[3 * i + k];
         add_bending(y, local + PC_LOCAL_BENDING, energy->plate, x);
-        for (int i = 0; i < 16; i++)
+        for (int i = 0; i < 16; i++) {
             local[PC_LOCAL_PULL + 3 * i + k] -= y[i];
+            tally[2] += x[i] * y[i];
+        }
     }
 }
 
 /* ---- rows ---- */
 
+static const double binomial[4] = {1, 3, 3, 1};
+
 /* y = the element's matrix times c, both in Bezier coefficients. */
 static void apply_local(double y[16], const double *local, const double *plate, const double c[16]) {
-    static const double binomial[4] = {1, 3, 3, 1};
     memset(y, 0, 16 * sizeof *y);
     for (int l = 0; l < 4; l++)
         for (int k = 0; k < 4; k++) {
@@ -309,6 +319,33 @@ static void apply_local(double y[16], const double *local, const double *plate, 
     for (int i = 0; i < 16; i++)
         y[i] *= binomial[i % 4] * binomial[i / 4];
     add_bending(y, local + PC_LOCAL_BENDING, plate, c);
+}
+
+/* The same for c[i+4j] = a[i] b[j]. */
+static void apply_product(double y[16], const double *local, const double *plate, const double a[4],
+                          const double b[4]) {
+    const double *moment = local + PC_LOCAL_MOMENT, *factor = local + PC_LOCAL_BENDING;
+    double half[28] = {0}, along[12] = {0}, across[12] = {0};
+    memset(y, 0, 16 * sizeof *y);
+    for (int j = 0; j < 7; j++)
+        for (int k = 0; k < 4; k++)
+            for (int i = 0; i < 4; i++)
+                half[i + 4 * j] += binomial[k] * a[k] * moment[i + k + 7 * j];
+    for (int j = 0; j < 4; j++)
+        for (int l = 0; l < 4; l++)
+            for (int i = 0; i < 4; i++)
+                y[i + 4 * j] += binomial[l] * b[l] * half[i + 4 * (j + l)];
+    for (int i = 0; i < 16; i++)
+        y[i] *= binomial[i % 4] * binomial[i / 4];
+    for (int d = 0; d < 3; d++)
+        for (int k = 0; k < 4; k++)
+            for (int i = 0; i < 4; i++) {
+                along[4 * d + i] += factor[d] * plate[16 * (2 - d) + i + 4 * k] * a[k];
+                across[4 * d + i] += plate[16 * d + i + 4 * k] * b[k];
+            }
+    for (int d = 0; d < 3; d++)
+        for (int i = 0; i < 16; i++)
+            y[i] += along[4 * d + i % 4] * across[4 * d + i / 4];
 }
 
 /* y.(function k on element e) */
@@ -329,33 +366,47 @@ static double product(const double y[16], const pc_basis *basis, pc_index e, siz
     return sum;
 }
 
-static void fill_row(pc_energy *energy, const double *local_sums, pc_index r) {
+/* The products of one function with all on its element, into the slots of its row. */
+static void add_products(double *value, double *diagonal, const pc_energy *energy, const double *local,
+                         const uint16_t *slot, size_t use, pc_index e) {
+    const pc_basis *basis = &energy->spline->basis;
+    const pc_element *element = basis->element + e;
+    const size_t own = use - basis->start[e], functions = basis->start[e + 1] - basis->start[e];
+    const double *c = basis->coefficient + element->coefficient;
+    double y[16];
+    if (element->irregular)
+        apply_local(y, local, energy->plate, c + 16 * own);
+    else
+        apply_product(y, local, energy->plate, c + 8 * own, c + 8 * own + 4);
+    for (size_t k = 0; k < functions; k++) {
+        if (slot[k] == PC_SLOT_FIXED) continue;
+        const double sum = product(y, basis, e, k);
+        if (slot[k] == PC_SLOT_DIAGONAL)
+            *diagonal += sum;
+        else
+            value[slot[k]] += sum;
+    }
+}
+
+static void fill_row(pc_energy *energy, const double *local_sums, bool values, pc_index r) {
     const pc_basis *basis = &energy->spline->basis;
     const pc_system *system = &energy->system;
     const uint16_t *slot = energy->slot + energy->slot_start[r];
     double *value = system->value + system->start[r], *right = energy->right + 3 * (size_t)r, diagonal = 0;
-    memset(value, 0, (system->start[r + 1] - system->start[r]) * sizeof *value);
     memset(right, 0, 3 * sizeof *right);
+    if (values) memset(value, 0, (system->start[r + 1] - system->start[r]) * sizeof *value);
     for (size_t u = energy->start[r]; u < energy->start[r + 1]; u++) {
         const pc_index i = energy->use_element[u], e = energy->element[i];
         const double *local = local_sums + PC_LOCAL_SIZE * (size_t)i;
-        const size_t functions = basis->start[e + 1] - basis->start[e];
-        double c[16], y[16];
+        double c[16];
         pc_basis_coefficients(c, basis, e, energy->use[u]);
-        apply_local(y, local, energy->plate, c);
-        for (int k = 0; k < 48; k++)
-            right[k % 3] += c[k / 3] * local[PC_LOCAL_PULL + k];
-        for (size_t k = 0; k < functions; k++) {
-            if (slot[k] == PC_SLOT_FIXED) continue;
-            const double sum = product(y, basis, e, k);
-            if (slot[k] == PC_SLOT_DIAGONAL)
-                diagonal += sum;
-            else
-                value[slot[k]] += sum;
-        }
-        slot += functions;
+        for (int k = 0; k < 16; k++)
+            for (int d = 0; d < 3; d++)
+                right[d] += c[k] * local[PC_LOCAL_PULL + 3 * k + d];
+        if (values) add_products(value, &diagonal, energy, local, slot, energy->use[u], e);
+        slot += basis->start[e + 1] - basis->start[e];
     }
-    system->diagonal[r] = diagonal > 0 ? diagonal : 1;
+    if (values) system->diagonal[r] = diagonal > 0 ? diagonal : 1;
 }
 
 static pc_status fill_on_host(pc_energy *energy, pc_context *ctx, const pc_energy_work *work) {
@@ -364,17 +415,18 @@ static pc_status fill_on_host(pc_energy *energy, pc_context *ctx, const pc_energ
     if (status != PC_OK) return status;
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index i = 0; i < energy->element_count; i++)
-        fill_local(local + PC_LOCAL_SIZE * (size_t)i, energy->tally + 2 * (size_t)i, energy,
+        fill_local(local + PC_LOCAL_SIZE * (size_t)i, energy->tally + 3 * (size_t)i, energy,
                    energy->element[i], work);
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index r = 0; r < energy->row_count; r++)
-        fill_row(energy, local, r);
+        fill_row(energy, local, work->values, r);
     pc_free(ctx, local);
     return status;
 }
 
 pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
-                         const pc_sample *samples, size_t count, double fairness, const double *stiffness) {
+                         const pc_sample *samples, size_t count, double fairness, const double *stiffness,
+                         bool values) {
     pc_status status = PC_OK;
     const pc_index elements = energy->spline->basis.element_count;
     size_t *first = NULL;
@@ -384,12 +436,13 @@ pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *
         first[samples[i].place.element + 1]++;
     for (size_t e = 0; e < elements; e++)
         first[e + 1] += first[e];
-    const pc_energy_work work = {samples, first, stiffness, fairness};
+    const pc_energy_work work = {samples, first, stiffness, fairness, values};
     PC_TRY(pc_device_is_host(device) ? fill_on_host(energy, ctx, &work)
                                      : pc_energy_launch(energy, ctx, device, &work));
     for (pc_index i = 0; i < energy->element_count; i++) {
-        facts->square += energy->tally[2 * (size_t)i];
-        facts->weight += energy->tally[2 * (size_t)i + 1];
+        facts->square += energy->tally[3 * (size_t)i];
+        facts->weight += energy->tally[3 * (size_t)i + 1];
+        facts->bending += energy->tally[3 * (size_t)i + 2];
     }
 done:
     pc_free(ctx, first);

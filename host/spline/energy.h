@@ -48,7 +48,7 @@ typedef struct pc_energy {
                          derivatives */
     pc_system system;
     double *right; /* 3 per row: x, y, z */
-    double *tally; /* 2 per listed element: sums of weight |S - target|^2 and of the weights */
+    double *tally; /* 3 per listed element: sum of weight |S - target|^2, of the weights; bending */
 } pc_energy;
 enum { PC_SLOT_DIAGONAL = 0xfffe, PC_SLOT_FIXED = 0xffff };
 
@@ -56,6 +56,7 @@ enum { PC_SLOT_DIAGONAL = 0xfffe, PC_SLOT_FIXED = 0xffff };
 typedef struct pc_energy_facts {
     double square; /* sum of weight |S - target|^2 over the samples used, before they move anything */
     double weight;
+    double bending; /* fairness times the bending */
 } pc_energy_facts;
 
 /* The graph. `free` tells which control points may move (per vertex, not 0; NULL: all). PC_E_NOMEM; PC_E_MESH
@@ -63,10 +64,12 @@ typedef struct pc_energy_facts {
 pc_status pc_energy_make(pc_energy *energy, pc_context *ctx, const pc_tspline *spline, const uint8_t *free);
 /* Values and right-hand sides for the moves from where the control points are; spline->bezier is up to date.
  * `samples` are sorted by element; those on elements that nothing free reaches are skipped. `stiffness` (per
- * element of the basis, or NULL for 1) multiplies the bending. A row without energy gets the diagonal 1. The
- * same bytes for any number of threads. PC_E_NOMEM, PC_E_DEVICE. */
+ * element of the basis, or NULL for 1) multiplies the bending. A row without energy gets the diagonal 1.
+ * Without `values` only the right-hand sides are made. The same bytes for any number of threads. PC_E_NOMEM,
+ * PC_E_DEVICE. */
 pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
-                         const pc_sample *samples, size_t count, double fairness, const double *stiffness);
+                         const pc_sample *samples, size_t count, double fairness, const double *stiffness,
+                         bool values);
 void pc_energy_free(pc_energy *energy, pc_context *ctx);
 
 /* Inputs of both back ends. */
@@ -75,6 +78,7 @@ typedef struct pc_energy_work {
     const size_t *first; /* per element of the basis +1 */
     const double *stiffness;
     double fairness;
+    bool values;
 } pc_energy_work;
 /* Local sums and rows by kernels/fit.cl; pc_energy_fill calls it. */
 pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device, const pc_energy_work *work);

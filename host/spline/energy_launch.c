@@ -118,7 +118,7 @@ static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, 
     PC_TRY(pc_buffer_from(&b->bezier, ctx, device, bezier, 48 * n * sizeof *bezier));
     PC_TRY(pc_buffer_from(&b->bending, ctx, device, bending, 3 * n * sizeof *bending));
     PC_TRY(pc_buffer_make(&b->local, ctx, device, PC_LOCAL_SIZE * n * sizeof(double)));
-    PC_TRY(pc_buffer_make(&b->tally, ctx, device, 2 * n * sizeof(double)));
+    PC_TRY(pc_buffer_make(&b->tally, ctx, device, 3 * n * sizeof(double)));
 done:
     pc_free(ctx, first);
     pc_free(ctx, sample);
@@ -199,7 +199,7 @@ done:
     return status;
 }
 
-static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p) {
+static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p, bool values) {
     pc_status status = PC_OK;
     pc_kernel *local = NULL, *rows = NULL;
     const uint32_t chunk = pc_device_shape(device) == PC_SHAPE_CHUNK ? 32 : 1;
@@ -210,31 +210,33 @@ static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part 
                          8.0 * (SAMPLE * (double)p->sample_count + (48.0 + PC_LOCAL_SIZE) * p->element_count),
                          PC_ARGS(PC_BUF(b->local), PC_BUF(b->tally), PC_BUF(b->first), PC_BUF(b->sample),
                                  PC_BUF(b->bezier), PC_BUF(b->bending), PC_BUF(b->plate),
-                                 PC_U32(p->element_count), PC_U32(chunk))));
+                                 PC_U32(p->element_count), PC_U32(chunk), PC_U32(values))));
     PC_TRY(pc_kernel_run(ctx, rows, (row_count + chunk - 1) / chunk, 0,
                          8.0 * ((double)p->coefficient_count + PC_LOCAL_SIZE * (double)p->element_count),
                          PC_ARGS(PC_BUF(b->value), PC_BUF(b->diagonal), PC_BUF(b->right), PC_BUF(b->start),
                                  PC_BUF(b->use_start), PC_BUF(b->use), PC_BUF(b->use_element),
                                  PC_BUF(b->slot_start), PC_BUF(b->slot), PC_BUF(b->functions),
                                  PC_BUF(b->coefficient_start), PC_BUF(b->coefficient), PC_BUF(b->local),
-                                 PC_BUF(b->plate), PC_U32(row_count), PC_U32(chunk))));
+                                 PC_BUF(b->plate), PC_U32(row_count), PC_U32(chunk), PC_U32(values))));
 done:
     return status;
 }
 
-static pc_status fetch(pc_energy *energy, pc_context *ctx, const buffers *b, const part *p) {
+static pc_status fetch(pc_energy *energy, pc_context *ctx, const buffers *b, const part *p, bool values) {
     pc_status status = PC_OK;
     const size_t rows = p->to - p->from, n = p->element_count;
     const pc_system *system = &energy->system;
     double *tally = NULL;
-    PC_TRY(pc_new(&tally, ctx, 2 * n));
-    PC_TRY(pc_buffer_read(system->value + system->start[p->from], ctx, b->value, 0,
-                          (system->start[p->to] - system->start[p->from]) * sizeof(double)));
-    PC_TRY(pc_buffer_read(system->diagonal + p->from, ctx, b->diagonal, 0, rows * sizeof(double)));
+    PC_TRY(pc_new(&tally, ctx, 3 * n));
+    if (values) {
+        PC_TRY(pc_buffer_read(system->value + system->start[p->from], ctx, b->value, 0,
+                              (system->start[p->to] - system->start[p->from]) * sizeof(double)));
+        PC_TRY(pc_buffer_read(system->diagonal + p->from, ctx, b->diagonal, 0, rows * sizeof(double)));
+    }
     PC_TRY(pc_buffer_read(energy->right + 3 * (size_t)p->from, ctx, b->right, 0, 3 * rows * sizeof(double)));
-    PC_TRY(pc_buffer_read(tally, ctx, b->tally, 0, 2 * n * sizeof *tally));
+    PC_TRY(pc_buffer_read(tally, ctx, b->tally, 0, 3 * n * sizeof *tally));
     for (size_t k = 0; k < n; k++)
-        memcpy(energy->tally + 2 * (size_t)p->element[k], tally + 2 * k, 2 * sizeof *tally);
+        memcpy(energy->tally + 3 * (size_t)p->element[k], tally + 3 * k, 3 * sizeof *tally);
 done:
     pc_free(ctx, tally);
     return status;
@@ -256,8 +258,8 @@ pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device
         PC_TRY(upload_functions(&b, ctx, device, energy, &p));
         PC_TRY(upload_rows(&b, ctx, device, energy, &p));
         PC_TRY(pc_buffer_from(&b.plate, ctx, device, energy->plate, sizeof energy->plate));
-        PC_TRY(run(&b, ctx, device, &p));
-        PC_TRY(fetch(energy, ctx, &b, &p));
+        PC_TRY(run(&b, ctx, device, &p, work->values));
+        PC_TRY(fetch(energy, ctx, &b, &p, work->values));
         free_buffers(&b, ctx);
     }
 done:

@@ -1,6 +1,10 @@
+#include <stdlib.h>
 #include "fit.h"
+#include "hostvec.h"
 #include "memory.h"
+#include "secants.h"
 #include "threefold.h"
+#include <string.h>
 
 /* Half the diagonal of the box around the control points. */
 static double extent_of(const pc_tspline *spline) {
@@ -25,61 +29,117 @@ void pc_fit_reach(uint8_t *active, const pc_tspline *spline, const uint8_t *free
     }
 }
 
-/* Moves the free control points to the least energy; the residual goes down to `tolerance` of what the
- * diagonal makes of the model's size. */
-static pc_status solve(pc_tspline *spline, pc_fit_stats *stats, double *farthest, pc_context *ctx,
-                       pc_device *device, const pc_energy *energy, double tolerance) {
+/* A fit under way. */
+typedef struct fitting {
+    pc_tspline *spline;
+    pc_fit_stats *stats;
+    pc_track *track;
+    pc_device *device;
+    const pc_target *target;
+    const pc_fit_options *options;
+    pc_energy energy;
+    pc_hints hints;
+    pc_secants secants;
+    uint8_t *active; /* per element */
+    double *pull, *move;
+    double least;    /* energy so far */
+    double farthest; /* that a control point moved last */
+    bool exact;      /* the matrix is that of the present places */
+} fitting;
+
+/* move = about A^-1 pull, as good as the rest of the step deserves. */
+static pc_status solve(fitting *f, pc_context *ctx) {
     enum { MOST_ITERATIONS = 4000 };
-    const double enough = 1e4; /* times the goal, if it gets no better */
+    const double relative = 1e-2,
+                 enough = 1e4; /* of the right-hand side; times the goal, if it gets no better */
+    const pc_energy *energy = &f->energy;
+    const pc_index rows = energy->row_count;
     pc_status status = PC_OK;
     pc_threefold *solver = NULL;
-    pc_threefold_stats solved;
-    double *move = NULL, square = 0;
-    for (pc_index r = 0; r < energy->row_count; r++)
+    pc_threefold_stats solved = {0};
+    double square = 0, size[3] = {0}, goal[3], worst = 0;
+    for (pc_index r = 0; r < rows; r++)
         square += energy->system.diagonal[r] * energy->system.diagonal[r];
-    const double goal = tolerance * extent_of(spline) * sqrt(square);
-    PC_TRY(pc_new(&move, ctx, 3 * (size_t)energy->row_count));
-    PC_TRY(pc_threefold_make(&solver, ctx, device, &energy->system));
-    status = pc_threefold_solve(solver, ctx, &solved, move, energy->right,
-                                (const double[3]){goal, goal, goal}, MOST_ITERATIONS);
-    stats->iterations += solved.iterations;
-    const double worst = fmax(solved.residual[0], fmax(solved.residual[1], solved.residual[2]));
-    if (status == PC_E_NOCONV && worst <= enough * goal) {
+    for (size_t i = 0; i < 3 * (size_t)rows; i++)
+        size[i % 3] += f->pull[i] * f->pull[i];
+    for (int k = 0; k < 3; k++)
+        goal[k] = fmax(f->options->tolerance * extent_of(f->spline) * sqrt(square), relative * sqrt(size[k]));
+    memset(f->move, 0, 3 * (size_t)rows * sizeof *f->move);
+    PC_TRY(pc_threefold_make(&solver, ctx, f->device, &energy->system));
+    status = pc_threefold_solve(solver, ctx, &solved, f->move, f->pull, goal, MOST_ITERATIONS);
+    f->stats->iterations += solved.iterations;
+    for (int k = 0; k < 3; k++)
+        worst = fmax(worst, goal[k] > 0 ? solved.residual[k] / goal[k] : 0);
+    if (status == PC_E_NOCONV && worst <= enough) {
         pc_context_clear_message(ctx);
-        pc_log(ctx, PC_LOG_WARNING, "a fit went on from %.3g of the residual it wanted", worst / goal);
+        pc_log(ctx, PC_LOG_WARNING, "a fit went on from %.3g of the residual it wanted", worst);
         status = PC_OK;
-    }
-    PC_TRY(status);
-    *farthest = 0;
-    for (size_t r = 0; r < energy->row_count; r++) {
-        *farthest = fmax(*farthest, pc_norm(pc_vec3_at(move, r)));
-        for (size_t k = 0; k < 3; k++)
-            spline->position[3 * (size_t)energy->vertex[r] + k] += move[3 * r + k];
     }
 done:
     pc_threefold_free(solver, ctx);
-    pc_free(ctx, move);
     return status;
 }
 
-/* One correspondence and one solve. */
-static pc_status round_of(pc_tspline *spline, pc_fit_stats *stats, double *farthest, pc_energy *energy,
-                          pc_hints *hints, pc_track *track, pc_context *ctx, pc_device *device,
-                          const pc_target *target, const pc_fit_options *options,
-                          const pc_samples_options *sampling) {
+static double product_of(const fitting *f, const double *x, const double *y) {
+    return pc_hostvec_dot(x, y, f->secants.length);
+}
+
+/* One step down: the places are taken as fixed, which gives A, and what the last steps told about how they
+ * slide corrects it. */
+static pc_status step(fitting *f, pc_context *ctx, double energy) {
     pc_status status = PC_OK;
+    const double worse = 1.001;
+    const double *right = f->energy.right;
+    if (energy > worse * f->least)
+        pc_secants_forget(&f->secants);
+    else
+        pc_secants_learn(&f->secants, right);
+    f->least = fmin(f->least, energy);
+    memcpy(f->pull, right, f->secants.length * sizeof *f->pull);
+    pc_secants_before(&f->secants, f->pull);
+    PC_TRY(solve(f, ctx));
+    pc_secants_after(&f->secants, f->move);
+    if (!(product_of(f, f->move, right) > 0)) { /* not down: as if nothing had been learnt */
+        pc_secants_forget(&f->secants);
+        memcpy(f->pull, right, f->secants.length * sizeof *f->pull);
+        PC_TRY(solve(f, ctx));
+    }
+    pc_secants_take(&f->secants, f->move, right);
+    f->farthest = 0;
+    for (size_t r = 0; r < f->energy.row_count; r++) {
+        f->farthest = fmax(f->farthest, pc_norm(pc_vec3_at(f->move, r)));
+        for (size_t k = 0; k < 3; k++)
+            f->spline->position[3 * (size_t)f->energy.vertex[r] + k] += f->move[3 * r + k];
+    }
+    pc_tspline_update(f->spline);
+done:
+    return status;
+}
+
+/* Correspondence and step. */
+static pc_status one_round(fitting *f, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_fit_options *options = f->options;
+    pc_fit_stats *stats = f->stats;
     pc_samples samples = {0};
     pc_energy_facts facts;
+    const bool flat = options->flat && stats->rounds == 0;
+    const pc_samples_options sampling = {flat, options->per_side, options->free ? f->active : NULL,
+                                         stats->rounds > (options->flat ? 1 : 0)};
     PC_TRY(pc_check_interrupt(ctx));
-    PC_TRY(pc_samples_make(&samples, hints, track, ctx, spline, target, sampling));
-    PC_TRY(pc_energy_fill(energy, &facts, ctx, device, samples.sample, samples.count, options->fairness,
-                          samples.stiffness));
+    PC_TRY(pc_samples_make(&samples, &f->hints, f->track, ctx, f->spline, f->target, &sampling));
+    PC_TRY(pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count,
+                          options->fairness, samples.stiffness, !f->exact));
     stats->rms = facts.weight > 0 ? sqrt(facts.square / facts.weight) : 0;
     stats->samples = samples.count;
     stats->refused = samples.refused;
     stats->flipped = samples.flipped;
-    PC_TRY(solve(spline, stats, farthest, ctx, device, energy, options->tolerance));
-    pc_tspline_update(spline);
+    PC_TRY(step(f, ctx, facts.square + facts.bending));
+    f->exact = !flat;
+    if (flat) { /* another correspondence tells nothing about the next one */
+        pc_secants_forget(&f->secants);
+        f->least = INFINITY;
+    }
 done:
     pc_samples_free(&samples, ctx);
     return status;
@@ -88,27 +148,33 @@ done:
 pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_track *track, pc_context *ctx, pc_device *device,
                  const pc_target *target, const pc_fit_options *options) {
     pc_status status = PC_OK;
-    pc_energy energy = {0};
-    pc_hints hints = {0};
     pc_track own = {0};
-    uint8_t *active = NULL;
-    double farthest = INFINITY;
+    fitting f = {.spline = spline,
+                 .stats = stats,
+                 .track = track ? track : &own,
+                 .device = device,
+                 .target = target,
+                 .options = options,
+                 .least = INFINITY,
+                 .farthest = INFINITY};
     *stats = (pc_fit_stats){0};
     if (!track) PC_TRY(pc_target_track(&own, ctx, target));
-    PC_TRY(pc_new(&active, ctx, spline->basis.element_count));
-    pc_fit_reach(active, spline, options->free);
-    PC_TRY(pc_energy_make(&energy, ctx, spline, options->free));
-    stats->moved = energy.row_count;
-    for (; stats->rounds < options->rounds && farthest > options->settled; stats->rounds++) {
-        const pc_samples_options sampling = {options->flat && stats->rounds == 0, options->per_side,
-                                             options->free ? active : NULL};
-        PC_TRY(round_of(spline, stats, &farthest, &energy, &hints, track ? track : &own, ctx, device, target,
-                        options, &sampling));
-    }
+    PC_TRY(pc_new(&f.active, ctx, spline->basis.element_count));
+    pc_fit_reach(f.active, spline, options->free);
+    PC_TRY(pc_energy_make(&f.energy, ctx, spline, options->free));
+    stats->moved = f.energy.row_count;
+    PC_TRY(pc_new(&f.pull, ctx, 3 * (size_t)stats->moved));
+    PC_TRY(pc_new(&f.move, ctx, 3 * (size_t)stats->moved));
+    PC_TRY(pc_secants_make(&f.secants, ctx, 3 * (size_t)stats->moved));
+    for (; stats->rounds < (getenv("FFR") ? atoi(getenv("FFR")) : options->rounds) && f.farthest > options->settled; stats->rounds++)
+        PC_TRY(one_round(&f, ctx));
 done:
-    pc_energy_free(&energy, ctx);
-    pc_hints_free(&hints, ctx);
+    pc_energy_free(&f.energy, ctx);
+    pc_hints_free(&f.hints, ctx);
+    pc_secants_free(&f.secants, ctx);
     pc_track_free(&own, ctx);
-    pc_free(ctx, active);
+    pc_free(ctx, f.active);
+    pc_free(ctx, f.pull);
+    pc_free(ctx, f.move);
     return status;
 }

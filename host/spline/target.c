@@ -1,6 +1,7 @@
 #include "target.h"
 #include "geometry.h"
 #include "memory.h"
+#include "walk.h"
 #include <string.h>
 
 pc_status pc_target_make(pc_target *target, pc_context *ctx, const pc_mesh *mesh,
@@ -99,7 +100,9 @@ static void sample_element(gathering *g, pc_index e, pc_sample *to, pc_index *hi
         pc_surface_place place = {e, element->low[0] + u * (element->high[0] - element->low[0]),
                                   element->low[1] + v * (element->high[1] - element->low[1])};
         pc_vec3 normal, scan = {0, 0, 0}, p = surface_point(g, place, &normal);
-        pc_bvh_hit hit = pc_bvh_closest(&g->target->tree, p, g->first_hints ? hint : hints[i]);
+        pc_bvh_hit hit = g->options->near && !g->first_hints
+                             ? pc_walk_closest(g->target->mesh, g->target->adjacency, p, hints[i])
+                             : pc_bvh_closest(&g->target->tree, p, g->first_hints ? hint : hints[i]);
         hint = hints[i] = hit.face;
         to[i] = (pc_sample){.place.element = PC_NONE};
         if (hit.face == PC_NONE) continue;

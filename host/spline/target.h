@@ -46,9 +46,11 @@ typedef struct pc_samples_options {
                      first fit */
     int per_side; /* samples along the side of a face from the surface to the scan */
     const uint8_t *active; /* per element: samples on these only (NULL: all) */
+    bool near; /* from triangle to triangle from the last ones in `hints`: a nearest point, but there may
+                  be a nearer one elsewhere */
 } pc_samples_options;
 #define PC_SAMPLES_DEFAULTS                                                                                  \
-    { false, 5, NULL }
+    { false, 5, NULL, false }
 
 /* Pairs of points: every vertex of the scan with its place in `track`, which is brought up to date, and a
  * grid of every face of the surface with its nearest points of the scan. The weights of a face sum to one, an

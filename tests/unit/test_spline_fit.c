@@ -84,7 +84,7 @@ static void a_spline_is_found_again(void **state) {
         }
         pc_tspline_update(&spline);
         assert_ok(ctx, pc_energy_fill(&energy, &facts, ctx, host, sample,
-                                      16 * (size_t)spline.basis.element_count, 0, NULL));
+                                      16 * (size_t)spline.basis.element_count, 0, NULL, true));
         assert_ok(ctx, pc_system_check(&energy.system, ctx));
         assert_true(facts.square > 0 && fabs(facts.weight - energy.element_count) < 1e-9);
         for (size_t k = 0; k < 3; k++) {
@@ -150,7 +150,7 @@ static void right_sides_are_gradients(void **state) {
     for (size_t i = 0; i < count; i++)
         sample[i].target = pc_scale(1.1 + 0.1 * sin((double)i), sample[i].target);
     assert_ok(ctx, pc_energy_make(&energy, ctx, &spline, NULL));
-    assert_ok(ctx, pc_energy_fill(&energy, &facts, ctx, host, sample, count, fairness, NULL));
+    assert_ok(ctx, pc_energy_fill(&energy, &facts, ctx, host, sample, count, fairness, NULL, true));
     for (pc_index r = 0; r < energy.row_count; r += 5) {
         double *x = spline.position + 3 * (size_t)energy.vertex[r] + r % 3, at = *x, side[2];
         for (int k = 0; k < 2; k++) {
