@@ -197,6 +197,7 @@ pc_status pc_energy_make(pc_energy *energy, pc_context *ctx, const pc_tspline *s
     PC_TRY(list_uses(energy, ctx));
     PC_TRY(link_rows(energy, ctx));
     PC_TRY(pc_new(&energy->right, ctx, 3 * (size_t)energy->row_count));
+    PC_TRY(pc_new(&energy->made, ctx, 2 * (size_t)energy->element_count));
     PC_TRY(pc_new(&energy->tally, ctx, 3 * (size_t)energy->element_count));
 done:
     if (status != PC_OK) pc_energy_free(energy, ctx);
@@ -215,6 +216,7 @@ void pc_energy_free(pc_energy *energy, pc_context *ctx) {
     pc_free(ctx, energy->slot_start);
     pc_free(ctx, energy->slot);
     pc_free(ctx, energy->right);
+    pc_free(ctx, energy->made);
     pc_free(ctx, energy->tally);
     *energy = (pc_energy){0};
 }
@@ -424,6 +426,25 @@ static pc_status fill_on_host(pc_energy *energy, pc_context *ctx, const pc_energ
     return status;
 }
 
+/* The values that were made before are still of the right size. */
+static bool is_worth(const pc_energy *energy, const pc_energy_work *work) {
+    const double much = 1.5;
+    for (pc_index i = 0; i < energy->element_count; i++) {
+        const pc_index e = energy->element[i];
+        const double *made = energy->made + 2 * (size_t)i;
+        if (work->first[e + 1] > work->first[e] && made[0] <= 0) return false;
+        if (work->stiffness && work->stiffness[e] > much * made[1]) return false;
+    }
+    return true;
+}
+
+static void remember(pc_energy *energy, const pc_energy_work *work) {
+    for (pc_index i = 0; i < energy->element_count; i++) {
+        energy->made[2 * (size_t)i] = energy->tally[3 * (size_t)i + 1];
+        energy->made[2 * (size_t)i + 1] = work->stiffness ? work->stiffness[energy->element[i]] : 1;
+    }
+}
+
 pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
                          const pc_sample *samples, size_t count, double fairness, const double *stiffness,
                          bool values) {
@@ -436,9 +457,11 @@ pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *
         first[samples[i].place.element + 1]++;
     for (size_t e = 0; e < elements; e++)
         first[e + 1] += first[e];
-    const pc_energy_work work = {samples, first, stiffness, fairness, values};
+    pc_energy_work work = {samples, first, stiffness, fairness, values};
+    work.values |= !is_worth(energy, &work);
     PC_TRY(pc_device_is_host(device) ? fill_on_host(energy, ctx, &work)
                                      : pc_energy_launch(energy, ctx, device, &work));
+    if (work.values) remember(energy, &work);
     for (pc_index i = 0; i < energy->element_count; i++) {
         facts->square += energy->tally[3 * (size_t)i];
         facts->weight += energy->tally[3 * (size_t)i + 1];

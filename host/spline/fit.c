@@ -1,4 +1,3 @@
-#include <stdlib.h>
 #include "fit.h"
 #include "hostvec.h"
 #include "memory.h"
@@ -42,7 +41,7 @@ typedef struct fitting {
     pc_secants secants;
     uint8_t *active; /* per element */
     double *pull, *move;
-    double least;    /* energy so far */
+    double last;     /* energy where the last step began */
     double farthest; /* that a control point moved last */
     bool exact;      /* the matrix is that of the present places */
 } fitting;
@@ -80,36 +79,58 @@ done:
     return status;
 }
 
-static double product_of(const fitting *f, const double *x, const double *y) {
-    return pc_hostvec_dot(x, y, f->secants.length);
+/* The farthest that a control point goes. */
+static double reach_of(const fitting *f) {
+    double reach = 0;
+    for (size_t r = 0; r < f->energy.row_count; r++)
+        reach = fmax(reach, pc_norm(pc_vec3_at(f->move, r)));
+    return reach;
 }
 
-/* One step down: the places are taken as fixed, which gives A, and what the last steps told about how they
- * slide corrects it. */
-static pc_status step(fitting *f, pc_context *ctx, double energy) {
+/* Adds `sign` times `move` to the free control points. */
+static void displace(fitting *f, const double *move, double sign) {
+    for (size_t r = 0; r < f->energy.row_count; r++)
+        for (size_t k = 0; k < 3; k++)
+            f->spline->position[3 * (size_t)f->energy.vertex[r] + k] += sign * move[3 * r + k];
+}
+
+/* One step down from where minus half the gradient is `right`: the places are taken as fixed, which gives A,
+ * and what the last steps told about how they slide corrects it. */
+static pc_status step(fitting *f, pc_context *ctx, const double *right) {
+    const double bold = 8; /* times the step before: where no data holds the surface, secants lead anywhere */
     pc_status status = PC_OK;
-    const double worse = 1.001;
-    const double *right = f->energy.right;
-    if (energy > worse * f->least)
-        pc_secants_forget(&f->secants);
-    else
-        pc_secants_learn(&f->secants, right);
-    f->least = fmin(f->least, energy);
-    memcpy(f->pull, right, f->secants.length * sizeof *f->pull);
+    const size_t bytes = f->secants.length * sizeof *right;
+    memcpy(f->pull, right, bytes);
     pc_secants_before(&f->secants, f->pull);
     PC_TRY(solve(f, ctx));
     pc_secants_after(&f->secants, f->move);
-    if (!(product_of(f, f->move, right) > 0)) { /* not down: as if nothing had been learnt */
-        pc_secants_forget(&f->secants);
-        memcpy(f->pull, right, f->secants.length * sizeof *f->pull);
+    if (f->secants.count &&
+        (!(pc_hostvec_dot(f->move, right, f->secants.length) > 0) || !(reach_of(f) <= bold * f->farthest))) {
+        pc_secants_forget(&f->secants); /* not down: as if nothing had been learnt */
+        memcpy(f->pull, right, bytes);
         PC_TRY(solve(f, ctx));
     }
-    pc_secants_take(&f->secants, f->move, right);
-    f->farthest = 0;
-    for (size_t r = 0; r < f->energy.row_count; r++) {
-        f->farthest = fmax(f->farthest, pc_norm(pc_vec3_at(f->move, r)));
-        for (size_t k = 0; k < 3; k++)
-            f->spline->position[3 * (size_t)f->energy.vertex[r] + k] += f->move[3 * r + k];
+    f->farthest = reach_of(f);
+    displace(f, f->move, 1);
+    memcpy(f->pull, right, bytes);
+    pc_secants_take(&f->secants, f->move, f->pull);
+done:
+    return status;
+}
+
+/* Learns from the last step and takes the next one; a step that led up is taken back, and a plain one goes
+ * from there. */
+static pc_status descend(fitting *f, pc_context *ctx, double energy) {
+    const double worse = 1.05; /* a little is lost where samples find no partner any more */
+    pc_status status = PC_OK;
+    if (f->secants.count && f->secants.has_last && !(energy <= worse * f->last)) {
+        displace(f, f->secants.last_step, -1);
+        pc_secants_forget(&f->secants);
+        PC_TRY(step(f, ctx, f->secants.last_pull));
+    } else {
+        pc_secants_learn(&f->secants, f->energy.right);
+        f->last = energy;
+        PC_TRY(step(f, ctx, f->energy.right));
     }
     pc_tspline_update(f->spline);
 done:
@@ -134,12 +155,9 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     stats->samples = samples.count;
     stats->refused = samples.refused;
     stats->flipped = samples.flipped;
-    PC_TRY(step(f, ctx, facts.square + facts.bending));
+    PC_TRY(descend(f, ctx, facts.square + facts.bending));
     f->exact = !flat;
-    if (flat) { /* another correspondence tells nothing about the next one */
-        pc_secants_forget(&f->secants);
-        f->least = INFINITY;
-    }
+    if (flat) pc_secants_forget(&f->secants); /* another correspondence tells nothing about the next one */
 done:
     pc_samples_free(&samples, ctx);
     return status;
@@ -155,7 +173,6 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_track *track, pc_co
                  .device = device,
                  .target = target,
                  .options = options,
-                 .least = INFINITY,
                  .farthest = INFINITY};
     *stats = (pc_fit_stats){0};
     if (!track) PC_TRY(pc_target_track(&own, ctx, target));
@@ -166,7 +183,7 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_track *track, pc_co
     PC_TRY(pc_new(&f.pull, ctx, 3 * (size_t)stats->moved));
     PC_TRY(pc_new(&f.move, ctx, 3 * (size_t)stats->moved));
     PC_TRY(pc_secants_make(&f.secants, ctx, 3 * (size_t)stats->moved));
-    for (; stats->rounds < (getenv("FFR") ? atoi(getenv("FFR")) : options->rounds) && f.farthest > options->settled; stats->rounds++)
+    for (; stats->rounds < options->rounds && f.farthest > options->settled; stats->rounds++)
         PC_TRY(one_round(&f, ctx));
 done:
     pc_energy_free(&f.energy, ctx);
