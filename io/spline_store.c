@@ -150,9 +150,6 @@ static pc_status wrong(pc_store *store, const char *group, const char *what, siz
 static pc_status check_ranges(const arrays *a, const size_t *counts, pc_store *store, const char *group) {
     pc_status status = PC_OK;
     const size_t vertices = counts[VERTICES], halves = counts[HALVES], faces = counts[FACES];
-    if (faces == 0)
-        return pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s': no faces", pc_store_path(store),
-                       group);
     PC_TRY(pc_columns_below(store, group, "out", a->out, vertices, halves, false));
     PC_TRY(pc_columns_bytes_below(store, group, "extraordinary", a->extraordinary, vertices, 2));
     PC_TRY(pc_columns_below(store, group, "tail", a->tail, halves, vertices, false));
@@ -164,6 +161,9 @@ static pc_status check_ranges(const arrays *a, const size_t *counts, pc_store *s
     PC_TRY(pc_columns_below(store, group, "first", a->first, faces, halves, false));
     PC_TRY(pc_columns_below(store, group, "root", a->root, faces, faces, false));
     PC_TRY(pc_columns_bytes_below(store, group, "ghost", a->ghost, faces, 2));
+    if (faces == 0 || !memchr(a->ghost, 0, faces))
+        PC_TRY(pc_fail(pc_store_context(store), PC_E_FORMAT, "%s: '%s': no face of a surface",
+                       pc_store_path(store), group));
     for (size_t i = 0; i < 3 * vertices; i++)
         if (!isfinite(a->position[i])) PC_TRY(wrong(store, group, "vertex", i / 3, "is nowhere"));
 done:

@@ -21,7 +21,8 @@ void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings);
 /* Checks "spline tolerance" and "spline basis". */
 void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline);
 
-/* surface.step. PC_E_IO. */
+/* surface.step, cage.obj (control mesh for modelling programs), surface.hdf (triangles, with the distance to
+ * the scan), and the further formats that the options ask for. PC_E_IO. */
 pc_status pc_spline_files_write(pc_run *run, const pc_spline_findings *findings);
 
 #endif

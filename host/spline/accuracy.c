@@ -13,9 +13,16 @@ static bool is_on_border(const pc_target *target, const pc_bvh_hit *hit) {
     return false;
 }
 
+/* One face of the surface. */
+typedef struct measured {
+    double max, sum;
+    size_t beyond;
+} measured;
+
 /* Samples on a grid, at the corners of its squares too; the residuals' changes from one to the next. */
-static pc_face_error measure_face(const pc_tspline *spline, const pc_target *target, pc_index f, int n) {
-    pc_face_error m = {0};
+static measured measure_face(pc_face_error *error, const pc_tspline *spline, const pc_target *target,
+                             pc_index f, int n) {
+    measured m = {0};
     pc_vec3 residual[MOST_PER_SIDE * MOST_PER_SIDE];
     const double *size = spline->mesh.face[f].size;
     pc_index hint = PC_NONE;
@@ -30,89 +37,83 @@ static pc_face_error measure_face(const pc_tspline *spline, const pc_target *tar
             m.beyond++;
             continue;
         }
-        m.surface_max = fmax(m.surface_max, hit.distance);
-        m.surface_sum += hit.distance;
+        m.max = fmax(m.max, hit.distance);
+        m.sum += hit.distance;
     }
+    if (!error) return m;
+    error->max = m.max;
     for (int i = 0; i < n * n; i++) {
         pc_vec3 r = residual[i];
-        if (i % n + 1 < n) m.change[0] += pow(pc_distance(residual[i + 1], r), 2);
-        if (i / n + 1 < n) m.change[1] += pow(pc_distance(residual[i + n], r), 2);
+        if (i % n + 1 < n) error->change[0] += pow(pc_distance(residual[i + 1], r), 2);
+        if (i / n + 1 < n) error->change[1] += pow(pc_distance(residual[i + n], r), 2);
     }
     return m;
 }
 
-static bool has_changed(const pc_tspline *spline, const uint8_t *changed, pc_index f) {
-    const pc_basis *basis = &spline->basis;
-    for (pc_index e = basis->face_start[f]; changed && e < basis->face_start[f + 1]; e++)
-        if (changed[e]) return true;
-    return !changed;
-}
-
-static void measure_surface(pc_accuracy *accuracy, pc_face_error *error, const pc_tspline *spline,
-                            const pc_target *target, const pc_accuracy_options *options) {
-    const int n = options->per_side < 2               ? 2
-                  : options->per_side > MOST_PER_SIDE ? MOST_PER_SIDE
-                                                      : options->per_side;
-    const pc_index faces = spline->mesh.face_count;
+static pc_status measure_surface(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
+                                 const pc_tspline *spline, const pc_target *target, int per_side) {
+    pc_status status = PC_OK;
+    measured *found = NULL;
+    pc_index faces = spline->mesh.face_count;
     size_t samples = 0;
-#pragma omp parallel for schedule(dynamic, 16)
+    PC_TRY(pc_new(&found, ctx, faces));
+#pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < faces; f++)
-        if (!spline->mesh.face[f].ghost && has_changed(spline, options->changed, f))
-            error[f] = measure_face(spline, target, f, n);
+        if (!spline->mesh.face[f].ghost)
+            found[f] = measure_face(error ? error + f : NULL, spline, target, f, per_side);
     for (pc_index f = 0; f < faces; f++) {
         if (spline->mesh.face[f].ghost) continue;
-        samples += (size_t)n * (size_t)n - error[f].beyond;
-        error[f].max = error[f].surface_max;
-        accuracy->surface_max = fmax(accuracy->surface_max, error[f].surface_max);
-        accuracy->surface_mean += error[f].surface_sum;
-        accuracy->beyond += error[f].beyond;
+        samples += (size_t)per_side * (size_t)per_side - found[f].beyond;
+        accuracy->surface_max = fmax(accuracy->surface_max, found[f].max);
+        accuracy->surface_mean += found[f].sum;
+        accuracy->beyond += found[f].beyond;
     }
     if (samples) accuracy->surface_mean /= (double)samples;
     accuracy->samples += samples;
-}
-
-static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_track *track, pc_context *ctx,
-                              const pc_tspline *spline, const pc_target *target,
-                              const pc_accuracy_options *options) {
-    const pc_track_options tracking = {options->enough, options->changed};
-    size_t used = 0;
-    pc_status status = pc_track_update(track, ctx, spline, &tracking);
-    for (pc_index v = 0; status == PC_OK && v < track->count; v++) {
-        const double distance = track->at[v].distance;
-        if (target->adjacency->vertex_half[v] == PC_NONE || track->at[v].place.element == PC_NONE) continue;
-        used++;
-        accuracy->scan_mean += distance;
-        accuracy->scan_max = fmax(accuracy->scan_max, distance);
-        error[track->face[v]].max = fmax(error[track->face[v]].max, distance);
-    }
-    if (used) accuracy->scan_mean /= (double)used;
-    accuracy->samples += used;
+done:
+    pc_free(ctx, found);
     return status;
 }
 
-pc_status pc_accuracy_update(pc_accuracy *accuracy, pc_face_error *error, pc_track *track, pc_context *ctx,
-                             const pc_tspline *spline, const pc_target *target,
-                             const pc_accuracy_options *options) {
+static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
+                              const pc_tspline *spline, const pc_target *target,
+                              const pc_correspondence *correspondence) {
     pc_status status = PC_OK;
-    *accuracy = (pc_accuracy){0};
-    measure_surface(accuracy, error, spline, target, options);
-    PC_TRY(measure_scan(accuracy, error, track, ctx, spline, target, options));
-    accuracy->max = fmax(accuracy->scan_max, accuracy->surface_max);
+    const pc_mesh *mesh = target->mesh;
+    pc_facets facets = {0};
+    pc_nearest *nearest = NULL;
+    size_t used = 0;
+    PC_TRY(pc_facets_make(&facets, ctx, spline, 4, false));
+    PC_TRY(pc_new(&nearest, ctx, mesh->vertex_count));
+    pc_nearest_all(nearest, spline, &facets, mesh->position, mesh->vertex_count);
+    for (pc_index v = 0; v < mesh->vertex_count; v++) {
+        if (target->adjacency->vertex_half[v] == PC_NONE || nearest[v].place.element == PC_NONE) continue;
+        pc_index f = spline->basis.element[nearest[v].place.element].face;
+        if (correspondence && correspondence->face[v] != PC_NONE) f = correspondence->face[v];
+        used++;
+        accuracy->scan_mean += nearest[v].distance;
+        accuracy->scan_max = fmax(accuracy->scan_max, nearest[v].distance);
+        if (error) error[f].max = fmax(error[f].max, nearest[v].distance);
+    }
+    if (used) accuracy->scan_mean /= (double)used;
+    accuracy->samples += used;
 done:
+    pc_facets_free(&facets, ctx);
+    pc_free(ctx, nearest);
     return status;
 }
 
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
-                              const pc_tspline *spline, const pc_target *target, int per_side) {
+                              const pc_tspline *spline, const pc_target *target,
+                              const pc_correspondence *correspondence, int per_side) {
     pc_status status = PC_OK;
-    const pc_accuracy_options options = {per_side, 0, NULL};
-    pc_track track = {0};
-    pc_face_error *own = NULL;
-    PC_TRY(pc_target_track(&track, ctx, target));
-    if (!error) PC_TRY(pc_new(&own, ctx, spline->mesh.face_count));
-    PC_TRY(pc_accuracy_update(accuracy, error ? error : own, &track, ctx, spline, target, &options));
+    *accuracy = (pc_accuracy){0};
+    for (pc_index f = 0; error && f < spline->mesh.face_count; f++)
+        error[f] = (pc_face_error){0};
+    per_side = per_side < 2 ? 2 : per_side > MOST_PER_SIDE ? MOST_PER_SIDE : per_side;
+    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side));
+    PC_TRY(measure_scan(accuracy, error, ctx, spline, target, correspondence));
+    accuracy->max = fmax(accuracy->scan_max, accuracy->surface_max);
 done:
-    pc_track_free(&track, ctx);
-    pc_free(ctx, own);
     return status;
 }

@@ -2,7 +2,7 @@
 #ifndef PC_ACCURACY_H
 #define PC_ACCURACY_H
 
-#include "target.h"
+#include "correspondence.h"
 
 /* Distances in model units. */
 typedef struct pc_accuracy {
@@ -19,26 +19,13 @@ typedef struct pc_accuracy {
 typedef struct pc_face_error {
     double max;       /* the largest distance of a sample on it, either way */
     double change[2]; /* sum of squared differences of the residual between neighbours along s and along t */
-    double surface_max, surface_sum; /* of its own samples */
-    size_t beyond;
 } pc_face_error;
 
-typedef struct pc_accuracy_options {
-    int per_side;  /* samples along the side of a face */
-    double enough; /* a vertex of the scan whose last place was carried to one nearer than that is measured
-                      there: its true distance may be smaller still */
-    const uint8_t
-        *changed; /* per element: the surface is as it was before on the others (NULL: all are new) */
-} pc_accuracy_options;
-
-/* `error` has one entry per face of the T-mesh, which holds the last measurement where nothing has changed;
- * `track` is one of the scan's vertices (pc_target_track) and is brought up to date. The same bytes for any
- * number of threads. PC_E_NOMEM. */
-pc_status pc_accuracy_update(pc_accuracy *accuracy, pc_face_error *error, pc_track *track, pc_context *ctx,
-                             const pc_tspline *spline, const pc_target *target,
-                             const pc_accuracy_options *options);
-/* The same from nothing; `error` may be NULL. */
+/* `error` (may be NULL) has one entry per face of the T-mesh; a vertex of the scan counts where it belongs by
+ * `correspondence`, without it where its nearest point is. `per_side` samples along the side of a face.
+ * The same bytes for any number of threads. PC_E_NOMEM. */
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
-                              const pc_tspline *spline, const pc_target *target, int per_side);
+                              const pc_tspline *spline, const pc_target *target,
+                              const pc_correspondence *correspondence, int per_side);
 
 #endif

@@ -19,31 +19,19 @@ static double extent_of(const pc_tspline *spline) {
     return 0.5 * sqrt(square);
 }
 
-void pc_fit_reach(uint8_t *active, const pc_tspline *spline, const uint8_t *free) {
-    const pc_basis *basis = &spline->basis;
-    for (pc_index e = 0; e < basis->element_count; e++) {
-        active[e] = !free;
-        for (size_t k = basis->start[e]; free && k < basis->start[e + 1]; k++)
-            active[e] |= free[basis->point[k]] != 0;
-    }
-}
-
 /* A fit under way. */
 typedef struct fitting {
     pc_tspline *spline;
     pc_fit_stats *stats;
-    pc_track *track;
+    pc_correspondence *correspondence;
     pc_device *device;
     const pc_target *target;
     const pc_fit_options *options;
     pc_energy energy;
-    pc_hints hints;
     pc_secants secants;
-    uint8_t *active; /* per element */
     double *pull, *move;
     double last;     /* energy where the last step began */
     double farthest; /* that a control point moved last */
-    bool exact;      /* the matrix is that of the present places */
 } fitting;
 
 /* move = about A^-1 pull, as good as the rest of the step deserves. */
@@ -144,40 +132,33 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     pc_fit_stats *stats = f->stats;
     pc_samples samples = {0};
     pc_energy_facts facts;
-    const bool flat = options->flat && stats->rounds == 0;
-    const pc_samples_options sampling = {flat, options->per_side, options->free ? f->active : NULL,
-                                         stats->rounds > (options->flat ? 1 : 0)};
     PC_TRY(pc_check_interrupt(ctx));
-    PC_TRY(pc_samples_make(&samples, &f->hints, f->track, ctx, f->spline, f->target, &sampling));
+    if (stats->rounds > 0) PC_TRY(pc_correspondence_follow(f->correspondence, ctx, f->spline, f->target));
+    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->correspondence, options->per_side));
+    /* The first step moves places most; what comes later hardly changes the matrix. */
     PC_TRY(pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count,
-                          options->fairness, samples.stiffness, !f->exact));
+                          options->fairness, samples.stiffness, stats->rounds < 2));
     stats->rms = facts.weight > 0 ? sqrt(facts.square / facts.weight) : 0;
     stats->samples = samples.count;
     stats->refused = samples.refused;
-    stats->flipped = samples.flipped;
+    stats->torn = f->correspondence->torn_triangles;
     PC_TRY(descend(f, ctx, facts.square + facts.bending));
-    f->exact = !flat;
-    if (flat) pc_secants_forget(&f->secants); /* another correspondence tells nothing about the next one */
 done:
     pc_samples_free(&samples, ctx);
     return status;
 }
 
-pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_track *track, pc_context *ctx, pc_device *device,
-                 const pc_target *target, const pc_fit_options *options) {
+pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
+                 const pc_target *target, pc_correspondence *correspondence, const pc_fit_options *options) {
     pc_status status = PC_OK;
-    pc_track own = {0};
     fitting f = {.spline = spline,
                  .stats = stats,
-                 .track = track ? track : &own,
+                 .correspondence = correspondence,
                  .device = device,
                  .target = target,
                  .options = options,
                  .farthest = INFINITY};
     *stats = (pc_fit_stats){0};
-    if (!track) PC_TRY(pc_target_track(&own, ctx, target));
-    PC_TRY(pc_new(&f.active, ctx, spline->basis.element_count));
-    pc_fit_reach(f.active, spline, options->free);
     PC_TRY(pc_energy_make(&f.energy, ctx, spline, options->free));
     stats->moved = f.energy.row_count;
     PC_TRY(pc_new(&f.pull, ctx, 3 * (size_t)stats->moved));
@@ -187,10 +168,7 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_track *track, pc_co
         PC_TRY(one_round(&f, ctx));
 done:
     pc_energy_free(&f.energy, ctx);
-    pc_hints_free(&f.hints, ctx);
     pc_secants_free(&f.secants, ctx);
-    pc_track_free(&own, ctx);
-    pc_free(ctx, f.active);
     pc_free(ctx, f.pull);
     pc_free(ctx, f.move);
     return status;

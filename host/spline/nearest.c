@@ -67,16 +67,6 @@ pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, con
                               element->low[1] + t * (element->high[1] - element->low[1])};
 }
 
-pc_index pc_facets_triangle(const pc_facets *facets, pc_surface_place place) {
-    const pc_element *e = facets->basis->element + place.element;
-    const int n = facets->per_side;
-    double u = n * (place.s - e->low[0]) / (e->high[0] - e->low[0]);
-    double v = n * (place.t - e->low[1]) / (e->high[1] - e->low[1]);
-    const int i = (int)fmin(fmax(u, 0), n - 1), j = (int)fmin(fmax(v, 0), n - 1);
-    const bool upper = u - i + v - j > 1;
-    return 2 * (place.element * (pc_index)(n * n) + (pc_index)(j * n + i)) + (upper ? 1 : 0);
-}
-
 /* Newton's step for the distance; where its matrix bends the wrong way that of Gauss and Newton. A parameter
  * that is `locked` (0 or 1, else -1) stays. */
 static void newton_step(double step[2], const pc_surface_point *x, pc_vec3 target, int locked) {
@@ -154,4 +144,22 @@ pc_nearest pc_nearest_from(const pc_tspline *spline, pc_surface_place place, pc_
     }
     best.normal = pc_cross(x.s, x.t);
     return best;
+}
+
+void pc_nearest_all(pc_nearest *nearest, const pc_tspline *spline, const pc_facets *facets,
+                    const double *points, size_t count) {
+    enum { CHUNK = 128 };
+    size_t chunks = (count + CHUNK - 1) / CHUNK;
+#pragma omp parallel for schedule(dynamic, 4)
+    for (size_t c = 0; c < chunks; c++) {
+        pc_index hint = PC_NONE;
+        for (size_t i = c * CHUNK; i < (c + 1) * CHUNK && i < count; i++) {
+            pc_vec3 p = pc_vec3_at(points, i);
+            pc_bvh_hit hit = pc_bvh_closest(&facets->tree, p, hint);
+            hint = hit.face;
+            nearest[i] = (pc_nearest){.place = {PC_NONE, 0, 0}, .distance = INFINITY};
+            if (hit.face != PC_NONE)
+                nearest[i] = pc_nearest_from(spline, pc_facets_place(facets, hit.face, hit.weight), p);
+        }
+    }
 }

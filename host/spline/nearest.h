@@ -27,11 +27,13 @@ pc_status pc_facets_make(pc_facets *facets, pc_context *ctx, const pc_tspline *s
 void pc_facets_free(pc_facets *facets, pc_context *ctx);
 /* The place on a triangle of the facets with barycentric weights. */
 pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, const double weight[3]);
-/* The triangle that has a place. */
-pc_index pc_facets_triangle(const pc_facets *facets, pc_surface_place place);
 
 /* Newton's method from a place near by, across borders of elements where it leads there; a step that does not
  * come nearer is halved, and the last one kept. */
 pc_nearest pc_nearest_from(const pc_tspline *spline, pc_surface_place place, pc_vec3 target);
+
+/* For `count` points (3 each; neighbours in the list should be near in space), through the facets. */
+void pc_nearest_all(pc_nearest *nearest, const pc_tspline *spline, const pc_facets *facets,
+                    const double *points, size_t count);
 
 #endif
