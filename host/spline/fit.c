@@ -31,13 +31,14 @@ typedef struct fitting {
     pc_secants secants;
     double *pull, *move;
     double last;     /* energy where the last step began */
+    double longest;  /* plain step; where no data holds the surface, secants may lead anywhere */
     double farthest; /* that a control point moved last */
 } fitting;
 
 /* move = about A^-1 pull, as good as the rest of the step deserves. */
 static pc_status solve(fitting *f, pc_context *ctx) {
     enum { MOST_ITERATIONS = 4000 };
-    const double relative = 1e-2,
+    const double relative = 1e-4,
                  enough = 1e4; /* of the right-hand side; times the goal, if it gets no better */
     const pc_energy *energy = &f->energy;
     const pc_index rows = energy->row_count;
@@ -85,7 +86,6 @@ static void displace(fitting *f, const double *move, double sign) {
 /* One step down from where minus half the gradient is `right`: the places are taken as fixed, which gives A,
  * and what the last steps told about how they slide corrects it. */
 static pc_status step(fitting *f, pc_context *ctx, const double *right) {
-    const double bold = 8; /* times the step before: where no data holds the surface, secants lead anywhere */
     pc_status status = PC_OK;
     const size_t bytes = f->secants.length * sizeof *right;
     memcpy(f->pull, right, bytes);
@@ -93,12 +93,13 @@ static pc_status step(fitting *f, pc_context *ctx, const double *right) {
     PC_TRY(solve(f, ctx));
     pc_secants_after(&f->secants, f->move);
     if (f->secants.count &&
-        (!(pc_hostvec_dot(f->move, right, f->secants.length) > 0) || !(reach_of(f) <= bold * f->farthest))) {
+        (!(pc_hostvec_dot(f->move, right, f->secants.length) > 0) || !(reach_of(f) <= f->longest))) {
         pc_secants_forget(&f->secants); /* not down: as if nothing had been learnt */
         memcpy(f->pull, right, bytes);
         PC_TRY(solve(f, ctx));
     }
     f->farthest = reach_of(f);
+    if (!f->secants.count) f->longest = fmax(f->longest, f->farthest);
     displace(f, f->move, 1);
     memcpy(f->pull, right, bytes);
     pc_secants_take(&f->secants, f->move, f->pull);

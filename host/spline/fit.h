@@ -18,7 +18,7 @@ typedef struct pc_fit_options {
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 1e-5, 8, 5, 1e-8, 0, NULL }
+    { 1e-5, 5, 5, 1e-8, 0, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples, refused; /* in the last round */
