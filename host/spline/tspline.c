@@ -62,6 +62,20 @@ done:
     return status;
 }
 
+pc_status pc_tspline_copy(pc_tspline *copy, pc_context *ctx, const pc_tspline *spline) {
+    pc_status status = PC_OK;
+    *copy = (pc_tspline){0};
+    PC_TRY(pc_tmesh_copy(&copy->mesh, ctx, &spline->mesh));
+    PC_TRY(pc_basis_make(&copy->basis, ctx, &copy->mesh));
+    PC_TRY(pc_new(&copy->position, ctx, 3 * (size_t)copy->mesh.vertex_count));
+    PC_TRY(pc_new(&copy->bezier, ctx, 48 * (size_t)copy->basis.element_count));
+    memcpy(copy->position, spline->position, 3 * sizeof(double) * copy->mesh.vertex_count);
+    memcpy(copy->bezier, spline->bezier, 48 * sizeof(double) * copy->basis.element_count);
+done:
+    if (status != PC_OK) pc_tspline_free(copy, ctx);
+    return status;
+}
+
 void pc_tspline_free(pc_tspline *spline, pc_context *ctx) {
     pc_tmesh_free(&spline->mesh, ctx);
     pc_basis_free(&spline->basis, ctx);
