@@ -111,8 +111,9 @@ int main(int argc, char **argv) {
     const double largest = argc > 2 ? strtod(argv[2], NULL) : 1e5;
     if (!ctx) return pc_status_exit_code(PC_E_NOMEM);
     pc_status status = pc_device_open(&b.device, ctx, argc > 1 ? argv[1] : "host");
-    for (double points = 2000; status == PC_OK && points <= largest * 1.01; points *= points < 2e5 ? 10 : 5)
-        status = measure(ctx, &b, (pc_index)lround(sqrt(points / 2)));
+    for (pc_index points = 2000; status == PC_OK && points <= largest * 1.01;
+         points *= points < 200000 ? 10 : 5)
+        status = measure(ctx, &b, (pc_index)lround(sqrt(points / 2.0)));
     if (status != PC_OK) (void)fprintf(stderr, "bench_fit: %s\n", pc_context_message(ctx));
     pc_device_close(b.device, ctx);
     pc_context_free(ctx);

@@ -82,7 +82,7 @@ void pc_threefold_device_free(pc_threefold_device *solver, pc_context *ctx) {
     if (!solver) return;
     pc_buffer *all[] = {solver->diagonal, solver->x, solver->b,       solver->r,
                         solver->p,        solver->q, solver->partial, solver->scalars};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+    for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
         pc_buffer_free(all[k], ctx);
     pc_devmat_free(&solver->matrix, ctx);
     pc_row_order_free(&solver->order, ctx);

@@ -77,7 +77,7 @@ static void free_buffers(buffers *b, pc_context *ctx) {
         b->plate,      b->value,       b->diagonal,   b->right,  b->start,     b->use,
         b->use_start,  b->use_element, b->slot_start, b->slot,   b->functions, b->coefficient_start,
         b->coefficient};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+    for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
         pc_buffer_free(all[k], ctx);
     *b = (buffers){0};
 }

@@ -117,7 +117,7 @@ static pc_status descend(fitting *f, pc_context *ctx, double energy) {
         pc_secants_forget(&f->secants);
         PC_TRY(step(f, ctx, f->secants.last_pull));
     } else {
-        pc_secants_learn(&f->secants, f->energy.right);
+        if (f->options->sliding) pc_secants_learn(&f->secants, f->energy.right);
         f->last = energy;
         PC_TRY(step(f, ctx, f->energy.right));
     }
@@ -138,7 +138,7 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->correspondence, options->per_side));
     /* The first step moves places most; what comes later hardly changes the matrix. */
     PC_TRY(pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count,
-                          options->fairness, samples.stiffness, stats->rounds < 2));
+                          options->fairness, samples.stiffness, !options->sliding || stats->rounds < 2));
     stats->rms = facts.weight > 0 ? sqrt(facts.square / facts.weight) : 0;
     stats->samples = samples.count;
     stats->refused = samples.refused;

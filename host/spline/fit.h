@@ -1,7 +1,6 @@
 /* Fits the control points of a T-spline to a scan: least squares with fairing, the correspondence corrected
- * by projection from round to round (digest C38, C39). Every round is a step of L-BFGS for the distances with
- * places that slide along, whose first guess of the Hessian is that of the places as they are: the matrix is
- * scalar and the same for three coordinates. */
+ * by projection from round to round (digest C38, C39). Every round takes the places as fixed: the matrix is
+ * scalar and the same for three coordinates. On request L-BFGS around that matrix learns how they slide. */
 #ifndef PC_FIT_H
 #define PC_FIT_H
 
@@ -12,13 +11,16 @@ typedef struct pc_fit_options {
     double fairness; /* weight of the bending energy; has no unit */
     int rounds;      /* of correspondence and fit, at most */
     int per_side;    /* samples along the side of a face */
-    double
-        tolerance;  /* of the solver: residual against what the matrix's diagonal makes of the model's size */
-    double settled; /* no more rounds once no control point has moved as far as this; model units */
+    /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
+    double tolerance;
+    /* Learn from round to round how places slide along, by L-BFGS: fewer control points reach a tolerance,
+     * but parts of the surface that have lost their samples may stray. */
+    bool sliding;
+    double settled;      /* no more rounds once no control point has moved as far as this; model units */
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 1e-5, 5, 5, 1e-8, 0, NULL }
+    { 1e-5, 3, 5, 1e-8, false, 0, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples, refused; /* in the last round */

@@ -106,7 +106,7 @@ static int advance(pc_surface_place *place, const pc_element *e, const double st
 pc_nearest pc_nearest_from(const pc_tspline *spline, pc_surface_place place, pc_vec3 target) {
     enum { MOST_STEPS = 12 };
     const double fine = 1e-7,
-                 last = 1e-4; /* of the element: no step, and one after which the next is nothing */
+                 last = 1e-5; /* of the element: no step, and one after which the next is nothing */
     pc_surface_point x = pc_tspline_evaluate(spline, place);
     pc_nearest best = {.place = place, .point = x.p, .distance = pc_distance(x.p, target)};
     double damping = 1;
