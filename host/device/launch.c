@@ -147,6 +147,22 @@ pc_status pc_buffer_write(const pc_buffer *buffer, pc_context *ctx, size_t offse
     return error == CL_SUCCESS ? PC_OK : pc_device_fail(ctx, error, "writing a buffer");
 }
 
+pc_status pc_buffer_map(void *to, pc_context *ctx, const pc_buffer *buffer) {
+    cl_int error = CL_SUCCESS;
+    void *at =
+        clEnqueueMapBuffer(buffer->device->queue, buffer->handle, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0,
+                           buffer->bytes ? buffer->bytes : 4, 0, NULL, NULL, &error);
+    if (error != CL_SUCCESS) return pc_device_fail(ctx, error, "mapping a buffer");
+    memcpy(to, &at, sizeof at);
+    return PC_OK;
+}
+
+pc_status pc_buffer_unmap(const pc_buffer *buffer, pc_context *ctx, void *at) {
+    if (!at) return PC_OK;
+    cl_int error = clEnqueueUnmapMemObject(buffer->device->queue, buffer->handle, at, 0, NULL, NULL);
+    return error == CL_SUCCESS ? PC_OK : pc_device_fail(ctx, error, "unmapping a buffer");
+}
+
 void pc_buffer_free(pc_buffer *buffer, pc_context *ctx) {
     if (!buffer) return;
     (void)clReleaseMemObject(buffer->handle);

@@ -70,6 +70,12 @@ pc_status pc_buffer_from(pc_buffer **buffer, pc_context *ctx, pc_device *device,
 pc_status pc_buffer_read(void *to, pc_context *ctx, const pc_buffer *buffer, size_t offset, size_t bytes);
 pc_status pc_buffer_write(const pc_buffer *buffer, pc_context *ctx, size_t offset, const void *from,
                           size_t bytes);
+/* `*to` (a pointer to a pointer to any type) becomes where the whole buffer is to be written, without being
+ * read, until pc_buffer_unmap: large arrays are made there without a second copy. Waits for what was started
+ * before. */
+pc_status pc_buffer_map(void *to, pc_context *ctx, const pc_buffer *buffer);
+/* `at` as mapped; NULL is fine. */
+pc_status pc_buffer_unmap(const pc_buffer *buffer, pc_context *ctx, void *at);
 /* NULL is fine. */
 void pc_buffer_free(pc_buffer *buffer, pc_context *ctx);
 

@@ -14,6 +14,7 @@
 static const char *const results[] = {
     PC_OUT_RESULT,
     PC_OUT_REPORT,
+    PC_OUT_PAGE,
     "quads.obj",
     "quads.ply",
     "quads.hdf",
@@ -24,6 +25,9 @@ static const char *const results[] = {
     "isolines.png",
     "quads.png",
     "layout.png",
+    "surface.png",
+    "zebra.png",
+    "error.png",
     PC_OUT_SURFACE ".step",
 };
 

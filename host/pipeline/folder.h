@@ -7,6 +7,7 @@
 /* Names of the files in the folder. */
 #define PC_OUT_STAGES  "stages"
 #define PC_OUT_REPORT  "report.json"
+#define PC_OUT_PAGE    "report.html"
 #define PC_OUT_RESULT  "result.h5"
 #define PC_OUT_SURFACE "surface" /* and an ending */
 

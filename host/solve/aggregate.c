@@ -251,22 +251,12 @@ void pc_aggregates_free(pc_aggregates *aggregates, pc_context *ctx) {
     *aggregates = (pc_aggregates){0};
 }
 
-/* Frames while they are found: orthogonal blocks in the matrix' own form. */
+/* Frames while they are found: orthogonal blocks in the matrix' own form. In float: they only have to be near
+ * to what they stand for. */
 typedef struct frames {
     float *value;
     uint8_t *turn; /* TURNED only */
 } frames;
-
-static void unit_pair(double *v) {
-    double n = sqrt(v[0] * v[0] + v[1] * v[1]);
-    if (n > 0) {
-        v[0] /= n;
-        v[1] /= n;
-    } else {
-        v[0] = 1;
-        v[1] = 0;
-    }
-}
 
 static void identity_frame(pc_block_form form, const frames *f, pc_index i) {
     const int n = pc_form_size(form);
@@ -276,75 +266,86 @@ static void identity_frame(pc_block_form form, const frames *f, pc_index i) {
     if (f->turn) f->turn[i] = 0;
 }
 
-/* out = -a * frame of row j. For TURNED, the product's turn is returned. */
-PC_ALWAYS_INLINE int carried(pc_block_form form, double *out, const pc_blockval *a, const frames *f,
-                             pc_index j) {
-    const int n = pc_form_size(form);
-    double from[4];
-    for (int k = 0; k < n; k++) {
-        from[k] = -(double)f->value[(size_t)n * j + (size_t)k];
-        out[k] = 0;
+/* sum -= B_e * frame of row j; for TURNED the product's turn is the sum of both. */
+PC_ALWAYS_INLINE void add_carried(pc_block_form form, float *sum, const pc_blockmat *a, size_t e,
+                                  const frames *f, pc_index j) {
+    const size_t n = (size_t)pc_form_size(form);
+    const float *v = a->value + n * e;
+    float u[4] = {0};
+    memcpy(u, f->value + n * j, n * sizeof *u);
+    if (form == PC_FORM_TURNED && a->turn[e] != 0) {
+        const double in[4] = {(double)u[0], (double)u[1], (double)u[2], (double)u[3]};
+        double out[4];
+        pc_turn_diagonal(out, a->turn[e], in);
+        for (int k = 0; k < 4; k++)
+            u[k] = (float)out[k];
     }
-    pc_blockval_add_product(form, out, a, from);
-    return form == PC_FORM_TURNED ? (a->turn + f->turn[j]) & 3 : 0;
-}
-
-PC_ALWAYS_INLINE void put_frame(pc_block_form form, const frames *f, pc_index i, double *m, int turn) {
-    const int n = pc_form_size(form);
-    for (int half = 0; half < n; half += 2)
-        unit_pair(m + half);
-    for (int k = 0; k < n; k++)
-        f->value[(size_t)n * i + (size_t)k] = (float)m[k];
-    if (form == PC_FORM_TURNED) f->turn[i] = (uint8_t)turn;
-}
-
-/* The entry (i,j); of several the largest. */
-PC_ALWAYS_INLINE void load_entry(pc_block_form form, pc_blockval *b, const pc_blockmat *a, pc_index i,
-                                 pc_index j) {
-    double largest = -1;
-    *b = (pc_blockval){.turn = 0};
-    for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
-        if (a->column[e] != j) continue;
-        double square = square_of(form, a, e);
-        if (square > largest) pc_blockval_load(form, b, a, e);
-        largest = fmax(largest, square);
+    for (size_t h = 0; h < n; h += 2) {
+        sum[h] -= v[h] * u[h] - v[h + 1] * u[h + 1];
+        sum[h + 1] -= v[h] * u[h + 1] + v[h + 1] * u[h];
     }
 }
 
-/* Hands row i its frame from row via[i]. */
+/* The frame of row i nearest to m. */
+PC_ALWAYS_INLINE void put_frame(pc_block_form form, const frames *f, pc_index i, const float *m) {
+    const int n = pc_form_size(form);
+    float *v = f->value + (size_t)n * i;
+    for (int h = 0; h < n; h += 2) {
+        float size = sqrtf(m[h] * m[h] + m[h + 1] * m[h + 1]);
+        v[h] = size > 0 ? m[h] / size : 1;
+        v[h + 1] = size > 0 ? m[h + 1] / size : 0;
+    }
+}
+
+/* Hands row i its frame from row via[i], by the largest of their couplings. */
 PC_ALWAYS_INLINE void carry(pc_block_form form, const frames *f, const pc_blockmat *a, pc_index i,
                             pc_index via) {
-    pc_blockval b;
-    double out[4];
-    load_entry(form, &b, a, i, via);
-    int turn = carried(form, out, &b, f, via);
-    put_frame(form, f, i, out, turn);
+    float largest = -1;
+    size_t best = SIZE_MAX;
+    float m[4] = {0};
+    for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
+        if (a->column[e] != via) continue;
+        float square = (float)square_of(form, a, e);
+        if (square > largest) best = e;
+        largest = fmaxf(largest, square);
+    }
+    if (best != SIZE_MAX) add_carried(form, m, a, best, f, via);
+    put_frame(form, f, i, m);
+    if (form == PC_FORM_TURNED && best != SIZE_MAX) f->turn[i] = (a->turn[best] + f->turn[via]) & 3;
 }
 
-/* Best frame of row i with those of its group held: the polar factor of -sum A_ij T_j. Around a singularity
- * the turns disagree; TURNED then keeps its own and hears only who agrees. */
+/* Best frame of row i with those of its group held: the polar factor of -sum A_ij T_j. Around a singularity,
+ * and where the root was reached by weak couplings, the turns disagree; then those win whose couplings weigh
+ * most. */
 PC_ALWAYS_INLINE void relax_row(pc_block_form form, const frames *f, const pc_blockmat *a,
                                 const pc_aggregates *g, pc_index i) {
-    const int n = pc_form_size(form);
-    double sum[4] = {0};
-    double size = 0;
+    const size_t n = (size_t)pc_form_size(form);
+    const pc_index own = g->of[i];
+    float sum[4][4] = {{0}};
+    float squares[4] = {0};
+    float count[4] = {0};
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
-        pc_index j = a->column[e];
-        if (g->of[j] != g->of[i] || j == i) continue;
-        pc_blockval b;
-        double out[4];
-        pc_blockval_load(form, &b, a, e);
-        int turn = carried(form, out, &b, f, j);
-        if (form == PC_FORM_TURNED && turn != f->turn[i]) continue;
-        size += sqrt(pc_blockval_square(form, &b));
-        for (int k = 0; k < n; k++)
-            sum[k] += out[k];
+        const pc_index j = a->column[e];
+        if (g->of[j] != own || j == i) continue;
+        const int turn = form == PC_FORM_TURNED ? (a->turn[e] + f->turn[j]) & 3 : 0;
+        add_carried(form, sum[turn], a, e, f, j);
+        count[turn]++;
+        for (size_t k = 0; k < n; k++)
+            squares[turn] += a->value[n * e + k] * a->value[n * e + k];
     }
-    double square = 0;
-    for (int k = 0; k < n; k++)
-        square += sum[k] * sum[k];
-    if (square <= 1e-4 * size * size) return;
-    put_frame(form, f, i, sum, form == PC_FORM_TURNED ? f->turn[i] : 0);
+    int best = form == PC_FORM_TURNED ? f->turn[i] : 0;
+    float most = 0;
+    for (int t = 0; t < (form == PC_FORM_TURNED ? 4 : 1); t++) {
+        const int turn = (best + t) & 3;
+        float square = 0;
+        for (size_t k = 0; k < n; k++)
+            square += sum[turn][k] * sum[turn][k];
+        /* What cancels says nothing. */
+        if (square <= most || square <= 1e-4F * count[turn] * squares[turn]) continue;
+        most = square;
+        put_frame(form, f, i, sum[turn]);
+        if (form == PC_FORM_TURNED) f->turn[i] = (uint8_t)turn;
+    }
 }
 
 /* Frames of all rows of a group. */

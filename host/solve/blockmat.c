@@ -41,10 +41,9 @@ void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx) {
     *matrix = (pc_blockmat){0};
 }
 
-/* sum += B_e x_column */
-PC_ALWAYS_INLINE void add_entry(pc_block_form form, float *sum, const pc_blockmat *a, size_t e,
-                                const float *x) {
-    const float *u = x + (size_t)pc_form_width(form) * a->column[e];
+/* sum += B_e u */
+PC_ALWAYS_INLINE void add_block(pc_block_form form, float *sum, const pc_blockmat *a, size_t e,
+                                const float *u) {
     const float *v = a->value + (size_t)pc_form_size(form) * e;
     if (form == PC_FORM_SCALAR) {
         sum[0] += v[0] * u[0];
@@ -65,6 +64,19 @@ PC_ALWAYS_INLINE void add_entry(pc_block_form form, float *sum, const pc_blockma
     }
 }
 
+/* B_e added to a dense matrix of n columns */
+static void add_dense(double *out, size_t n, const pc_blockmat *a, size_t e) {
+    const size_t w = (size_t)pc_form_width(a->form);
+    for (size_t c = 0; c < w; c++) {
+        float sum[4] = {0};
+        float unit[4] = {0};
+        unit[c] = 1;
+        add_block(a->form, sum, a, e, unit);
+        for (size_t r = 0; r < w; r++)
+            out[r * n + c] += (double)sum[r];
+    }
+}
+
 /* y = scale D x */
 PC_ALWAYS_INLINE void times_diagonal(pc_block_form form, float *y, const float *diagonal, const float *x,
                                      float scale) {
@@ -81,7 +93,7 @@ PC_ALWAYS_INLINE void row_times(pc_block_form form, float *sum, const pc_blockma
     else
         memset(sum, 0, 4 * sizeof *sum);
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++)
-        add_entry(form, sum, a, e, x);
+        add_block(form, sum, a, e, x + (size_t)pc_form_width(form) * a->column[e]);
 }
 
 /* What becomes of a product: y = sum, y += sum, y = b - sum. */
@@ -127,6 +139,19 @@ PC_ALWAYS_INLINE void first_row(pc_block_form form, float *x, float *d, const pc
     times_diagonal(form, step, a->inverse + (size_t)pc_form_diagonal(form) * i, b + at, beta);
     for (int k = 0; k < w; k++)
         d[at + (size_t)k] = x[at + (size_t)k] = step[k];
+}
+
+void pc_blockmat_dense(double *out, const pc_blockmat *matrix) {
+    const size_t w = (size_t)pc_form_width(matrix->form);
+    const size_t n = w * matrix->column_count;
+    memset(out, 0, w * matrix->row_count * n * sizeof *out);
+    for (pc_index i = 0; i < matrix->row_count; i++) {
+        for (size_t r = 0; matrix->diagonal && r < w; r++)
+            out[(w * i + r) * n + w * i + r] =
+                (double)matrix->diagonal[(size_t)pc_form_diagonal(matrix->form) * i + r / 2];
+        for (size_t e = matrix->start[i]; e < matrix->start[i + 1]; e++)
+            add_dense(out + w * i * n + w * matrix->column[e], n, matrix, e);
+    }
 }
 
 void pc_blockmat_apply(float *y, const pc_blockmat *matrix, const float *x) {

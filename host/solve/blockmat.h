@@ -52,6 +52,8 @@ static inline double pc_blockmat_mean_diagonal(const pc_blockmat *matrix, pc_ind
                                           : (double)d[i];
 }
 
+/* All of it, row by row: width*row_count x width*column_count numbers. */
+void pc_blockmat_dense(double *out, const pc_blockmat *matrix);
 /* y = A x (square: with its diagonal). */
 void pc_blockmat_apply(float *y, const pc_blockmat *matrix, const float *x);
 /* y += P x */

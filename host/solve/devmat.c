@@ -71,7 +71,7 @@ PC_ALWAYS_INLINE size_t value_place(pc_block_form form, pc_index rows, pc_index 
     return form == PC_FORM_SCALAR ? lane : 2 * (rows * (k / 2) + lane) + k % 2;
 }
 
-/* Arrays of one part on the host. */
+/* Arrays of one part, where the device is to find them. */
 typedef struct staged {
     pc_index *start;
     pc_index *column;
@@ -113,35 +113,35 @@ PC_ALWAYS_INLINE void stage_slice(pc_block_form form, const copying *c, staged *
     }
 }
 
+/* Keeps the first failure. */
+static void unmap(pc_status *status, pc_context *ctx, const pc_buffer *buffer, void *at) {
+    pc_status unmapped = buffer ? pc_buffer_unmap(buffer, ctx, at) : PC_OK;
+    if (*status == PC_OK) *status = unmapped;
+}
+
 static pc_status upload_part(pc_devmat_part *part, pc_context *ctx, pc_device *device, const copying *c) {
     pc_status status = PC_OK;
     staged s = {0};
-    const size_t wide = (size_t)c->slice_rows * (size_t)pc_form_size(c->matrix->form);
-    PC_TRY(pc_new(&s.start, ctx, (size_t)part->slices + 1));
-    PC_TRY(pc_resize(&s.column, ctx, part->entries * c->slice_rows));
-    PC_TRY(pc_resize(&s.value, ctx, part->entries * wide));
-    if (c->exact) PC_TRY(pc_resize(&s.exact, ctx, part->entries * wide));
+    const size_t numbers = part->entries * c->slice_rows * (size_t)pc_form_size(c->matrix->form);
+    PC_TRY(pc_buffer_make(&part->start, ctx, device, ((size_t)part->slices + 1) * sizeof *s.start));
+    PC_TRY(pc_buffer_make(&part->column, ctx, device, part->entries * c->slice_rows * sizeof *s.column));
+    PC_TRY(pc_buffer_make(&part->value, ctx, device, numbers * sizeof *s.value));
+    if (c->exact) PC_TRY(pc_buffer_make(&part->exact, ctx, device, numbers * sizeof *s.exact));
+    PC_TRY(pc_buffer_map(&s.start, ctx, part->start));
+    PC_TRY(pc_buffer_map(&s.column, ctx, part->column));
+    PC_TRY(pc_buffer_map(&s.value, ctx, part->value));
+    if (c->exact) PC_TRY(pc_buffer_map(&s.exact, ctx, part->exact));
+    s.start[0] = 0;
     for (pc_index k = 0; k < part->slices; k++)
         s.start[k + 1] = s.start[k] + slice_length(c, part->first + k);
 #define SLICE(form, k) stage_slice(form, c, &s, part->first + (k), s.start[k], s.start[(k) + 1] - s.start[k])
     PC_EACH_ROW(c->matrix->form, part->slices, SLICE);
 #undef SLICE
-    /* Each array goes as soon as it is copied: these are the moments of most memory. */
-    PC_TRY(pc_buffer_from(&part->start, ctx, device, s.start, ((size_t)part->slices + 1) * sizeof *s.start));
-    PC_TRY(pc_buffer_from(&part->column, ctx, device, s.column,
-                          part->entries * c->slice_rows * sizeof *s.column));
-    pc_free(ctx, s.column);
-    s.column = NULL;
-    PC_TRY(pc_buffer_from(&part->value, ctx, device, s.value, part->entries * wide * sizeof *s.value));
-    pc_free(ctx, s.value);
-    s.value = NULL;
-    if (c->exact)
-        PC_TRY(pc_buffer_from(&part->exact, ctx, device, s.exact, part->entries * wide * sizeof *s.exact));
 done:
-    pc_free(ctx, s.start);
-    pc_free(ctx, s.column);
-    pc_free(ctx, s.value);
-    pc_free(ctx, s.exact);
+    unmap(&status, ctx, part->start, s.start);
+    unmap(&status, ctx, part->column, s.column);
+    unmap(&status, ctx, part->value, s.value);
+    unmap(&status, ctx, part->exact, s.exact);
     return status;
 }
 

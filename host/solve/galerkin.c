@@ -13,62 +13,43 @@ typedef struct product {
     finish finish;
     double omega;
     double *diagonal; /* SPLIT_DIAGONAL: what is on it, as many per row as pc_form_diagonal */
+    pc_index *length; /* per row: its entries, but for such a diagonal */
 } product;
 
-/* A sparse row under construction. Its entries go by keys: the column, for TURNED 4 column + turn. slot[]
- * needs no clearing. Each thread has one, and works on a copy that the compiler can keep in registers. */
+/* Entries of finished rows, by keys: the column, for TURNED 4 column + turn. */
+typedef struct chunk {
+    struct chunk *next;
+    pc_index first; /* row */
+    size_t count, room;
+    pc_index *key;
+    float *value;
+} chunk;
+
+/* A sparse row under construction, and those that are finished. slot[] needs no clearing: what earlier rows
+ * left there is below `base`. Each thread has one, and works on a copy that the compiler can keep in
+ * registers. */
 typedef struct row {
-    pc_index *slot; /* per key: its place in list, if list agrees */
+    pc_index *slot; /* per key: base + place in the row */
     pc_index *list; /* keys */
-    pc_index *rank; /* places in the order of the keys */
-    pc_index count;
-    double *sum;
+    double *sum;    /* zero from `count` on */
+    pc_index base, count;
+    chunk *head, *last;
+    pc_status status;
 } row;
 
 PC_ALWAYS_INLINE pc_index key_of(pc_block_form form, pc_index column, int turn) {
     return form == PC_FORM_TURNED ? 4 * column + (pc_index)turn : column;
 }
 
-PC_ALWAYS_INLINE void note_row(pc_block_form form, row *r, const pc_blockmat *b, pc_index j, int turn) {
-    for (size_t f = b->start[j]; f < b->start[j + 1]; f++) {
-        int whole = form == PC_FORM_TURNED ? (turn + b->turn[f]) & 3 : 0;
-        pc_index key = key_of(form, b->column[f], whole);
-        pc_index k = r->slot[key];
-        if (k < r->count && r->list[k] == key) continue;
-        r->slot[key] = r->count;
-        r->list[r->count++] = key;
-    }
-}
-
-/* Counts the entries of row i into start[i + 1]. */
-PC_ALWAYS_INLINE void count_row(pc_block_form form, pc_index *start, const row *rows, const product *p,
-                                pc_index i) {
-    const pc_blockmat *a = p->a;
-    row own = rows[omp_get_thread_num()];
-    row *r = &own;
-    if (p->finish != SMOOTH || p->b->start[i] < p->b->start[i + 1]) {
-        if (a->diagonal) note_row(form, r, p->b, i, 0);
-        for (size_t e = a->start[i]; e < a->start[i + 1]; e++)
-            note_row(form, r, p->b, a->column[e], form == PC_FORM_TURNED ? a->turn[e] : 0);
-    }
-    pc_index n = r->count;
-    if (p->finish == SPLIT_DIAGONAL) {
-        pc_index k = r->slot[key_of(form, i, 0)];
-        if (k < n && r->list[k] == key_of(form, i, 0)) n--;
-    }
-    start[i + 1] = n;
-}
-
-/* The place of a key in the row; its sum is zero where it is new. */
+/* The sum that goes by a key. Without branches: they would go either way as if by chance. */
 PC_ALWAYS_INLINE double *sum_at(pc_block_form form, row *r, pc_index key) {
-    const size_t size = (size_t)pc_form_size(form);
-    pc_index k = r->slot[key];
-    if (k < r->count && r->list[k] == key) return r->sum + size * k;
-    k = r->slot[key] = r->count++;
-    r->list[k] = key;
-    for (size_t u = 0; u < size; u++)
-        r->sum[size * k + u] = 0;
-    return r->sum + size * k;
+    const pc_index at = r->slot[key];
+    const pc_index fresh = at < r->base;
+    const pc_index place = (r->count & (0 - fresh)) | ((at - r->base) & (fresh - 1));
+    r->slot[key] = r->base + place;
+    r->list[place] = key;
+    r->count += fresh;
+    return r->sum + (size_t)pc_form_size(form) * place;
 }
 
 /* row += v * row j of b */
@@ -122,51 +103,103 @@ PC_ALWAYS_INLINE void smooth_row(pc_block_form form, row *r, const product *p, p
     }
 }
 
-/* Ranks the entries by key: set-up looks for common neighbours of coarse rows. */
-static void rank_row(const row *r) {
-    for (pc_index k = 0; k < r->count; k++) {
-        pc_index to = k;
-        for (; to > 0 && r->list[r->rank[to - 1]] > r->list[k]; to--)
-            r->rank[to] = r->rank[to - 1];
-        r->rank[to] = k;
-    }
+/* A chunk for row i, which has r->count entries, and for what follows. */
+static bool next_chunk(row *r, pc_context *ctx, size_t size, pc_index i) {
+    enum { ROOM = 1 << 15 };
+    const size_t room = r->count > ROOM ? r->count : ROOM;
+    char *block = NULL;
+    r->status = r->base < PC_NONE - room
+                    ? pc_resize(&block, ctx, sizeof(chunk) + room * (size + 1) * sizeof(float))
+                    : pc_fail(ctx, PC_E_MESH, "a multigrid level is beyond 32-bit offsets");
+    if (r->status != PC_OK) return false;
+    chunk *c = (chunk *)(void *)block;
+    *c = (chunk){.first = i, .room = room};
+    c->key = (pc_index *)(void *)(block + sizeof *c);
+    c->value = (float *)(void *)(c->key + room);
+    if (r->last)
+        r->last->next = c;
+    else
+        r->head = c;
+    r->last = c;
+    return true;
 }
 
-PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, const product *p, pc_index i) {
+/* Moves the row to the chunk; its sums are zero again. */
+PC_ALWAYS_INLINE void put_row(pc_block_form form, row *r, const product *p, pc_index i) {
     const size_t size = (size_t)pc_form_size(form);
     const size_t per_row = (size_t)pc_form_diagonal(form);
-    size_t e = p->c->start[i];
-    if (p->finish == SPLIT_DIAGONAL) rank_row(r);
-    for (pc_index at = 0; at < r->count; at++) {
-        pc_index k = p->finish == SPLIT_DIAGONAL ? r->rank[at] : at;
+    const pc_index own = p->finish == SPLIT_DIAGONAL ? key_of(form, i, 0) : PC_NONE;
+    chunk *c = r->last;
+    size_t e = c->count;
+    for (pc_index k = 0; k < r->count; k++) {
         const double *s = r->sum + size * k;
-        if (p->finish == SPLIT_DIAGONAL && r->list[k] == key_of(form, i, 0)) {
-            for (size_t u = 0; u < per_row; u++)
-                p->diagonal[per_row * i + u] = s[2 * u];
+        c->key[e] = r->list[k];
+        for (size_t u = 0; u < size; u++)
+            c->value[size * e + u] = (float)s[u];
+        if (r->list[k] != own) {
+            e++;
             continue;
         }
-        p->c->column[e] = form == PC_FORM_TURNED ? r->list[k] / 4 : r->list[k];
-        if (form == PC_FORM_TURNED) p->c->turn[e] = (uint8_t)(r->list[k] % 4);
-        for (size_t u = 0; u < size; u++)
-            p->c->value[size * e + u] = (float)s[u];
-        e++;
+        for (size_t u = 0; u < per_row; u++)
+            p->diagonal[per_row * i + u] = s[2 * u];
     }
+    memset(r->sum, 0, size * r->count * sizeof *r->sum);
+    p->length[i] = (pc_index)(e - c->count);
+    c->count = e;
+    r->base += r->count;
+    r->count = 0;
 }
 
-PC_ALWAYS_INLINE void fill_row(pc_block_form form, const row *rows, const product *p, pc_index i) {
-    row own = rows[omp_get_thread_num()];
-    row *r = &own;
-    row_values(form, r, p, i);
-    if (p->finish == SMOOTH && r->count > 0) smooth_row(form, r, p, i);
-    put_row(form, r, p, i);
+PC_ALWAYS_INLINE void fill_rows(pc_block_form form, row *own, pc_context *ctx, const product *p,
+                                pc_index from, pc_index to) {
+    row r = *own;
+    for (pc_index i = from; i < to; i++) {
+        row_values(form, &r, p, i);
+        if (p->finish == SMOOTH && r.count > 0) smooth_row(form, &r, p, i);
+        if ((!r.last || r.last->count + r.count > r.last->room) &&
+            !next_chunk(&r, ctx, (size_t)pc_form_size(form), i))
+            break;
+        put_row(form, &r, p, i);
+    }
+    *own = r;
+}
+
+/* The rows in equal runs, one for each thread. */
+static pc_status fill(row *rows, pc_context *ctx, const product *p, int threads) {
+    const size_t n = p->a->row_count;
+    pc_status status = PC_OK;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int t = 0; t < threads; t++) {
+        const pc_index from = (pc_index)(n * (size_t)t / (size_t)threads);
+        const pc_index to = (pc_index)(n * ((size_t)t + 1) / (size_t)threads);
+        if (p->a->form == PC_FORM_SCALAR) fill_rows(PC_FORM_SCALAR, &rows[t], ctx, p, from, to);
+        if (p->a->form == PC_FORM_COMPLEX) fill_rows(PC_FORM_COMPLEX, &rows[t], ctx, p, from, to);
+        if (p->a->form == PC_FORM_TURNED) fill_rows(PC_FORM_TURNED, &rows[t], ctx, p, from, to);
+    }
+    for (int t = 0; t < threads && status == PC_OK; t++)
+        status = rows[t].status;
+    return status;
+}
+
+static size_t longest_row(const pc_blockmat *m) {
+    pc_index longest = 0;
+    for (pc_index i = 0; i < m->row_count; i++) {
+        pc_index length = m->start[i + 1] - m->start[i];
+        if (length > longest) longest = length;
+    }
+    return longest;
 }
 
 static pc_status make_rows(row *rows, pc_context *ctx, const product *p, int threads) {
     const size_t keys = p->b->column_count * (p->a->form == PC_FORM_TURNED ? (size_t)4 : 1);
+    const size_t most = (longest_row(p->a) + 1) * longest_row(p->b);
+    const size_t room = 1 + (most < keys ? most : keys);
     pc_status status = PC_OK;
     for (int t = 0; t < threads; t++) {
+        rows[t].base = 1;
         PC_TRY(pc_new(&rows[t].slot, ctx, keys));
-        PC_TRY(pc_new(&rows[t].list, ctx, keys));
+        PC_TRY(pc_new(&rows[t].list, ctx, room));
+        PC_TRY(pc_new(&rows[t].sum, ctx, room * (size_t)pc_form_size(p->a->form)));
     }
 done:
     return status;
@@ -176,43 +209,118 @@ static void free_rows(row *rows, pc_context *ctx, int threads) {
     for (int t = 0; rows && t < threads; t++) {
         pc_free(ctx, rows[t].slot);
         pc_free(ctx, rows[t].list);
-        pc_free(ctx, rows[t].rank);
         pc_free(ctx, rows[t].sum);
+        while (rows[t].head) {
+            chunk *next = rows[t].head->next;
+            pc_free(ctx, rows[t].head);
+            rows[t].head = next;
+        }
     }
     pc_free(ctx, rows);
+}
+
+/* The chunks of a thread to their places. */
+static void keep_chunks(pc_blockmat *c, pc_context *ctx, row *r) {
+    const size_t size = (size_t)pc_form_size(c->form);
+    while (r->head) {
+        chunk *from = r->head;
+        const size_t to = c->start[from->first];
+        for (size_t e = 0; e < from->count; e++)
+            c->column[to + e] = c->form == PC_FORM_TURNED ? from->key[e] / 4 : from->key[e];
+        for (size_t e = 0; c->turn && e < from->count; e++)
+            c->turn[to + e] = (uint8_t)(from->key[e] % 4);
+        memcpy(c->value + size * to, from->value, size * from->count * sizeof *from->value);
+        r->head = from->next;
+        pc_free(ctx, from);
+    }
+}
+/* Entry e of a chunk, of row i, to its transposed place. */
+PC_ALWAYS_INLINE void turn_entry(pc_block_form form, pc_blockmat *c, const chunk *from, size_t e,
+                                 pc_index i) {
+    const size_t size = (size_t)pc_form_size(form);
+    const pc_index column = form == PC_FORM_TURNED ? from->key[e] / 4 : from->key[e];
+    const size_t to = c->start[column]++;
+    pc_blockval in, out;
+    in.turn = form == PC_FORM_TURNED ? (int)(from->key[e] % 4) : 0;
+    for (size_t k = 0; k < size; k++)
+        in.v[k] = (double)from->value[size * e + k];
+    pc_blockval_transpose(form, &out, &in);
+    c->column[to] = i;
+    if (form == PC_FORM_TURNED) c->turn[to] = (uint8_t)out.turn;
+    for (size_t k = 0; k < size; k++)
+        c->value[size * to + k] = (float)out.v[k];
+}
+
+PC_ALWAYS_INLINE void turn_chunks(pc_block_form form, pc_blockmat *c, pc_context *ctx, const product *p,
+                                  row *r) {
+    while (r->head) {
+        chunk *from = r->head;
+        pc_index i = from->first;
+        for (size_t e = 0; e < from->count; i++)
+            for (size_t end = e + p->length[i]; e < end; e++)
+                turn_entry(form, c, from, e, i);
+        r->head = from->next;
+        pc_free(ctx, from);
+    }
+}
+
+/* Offsets from the numbers of entries that stand one place further on. */
+static void add_up(pc_index *start, pc_index rows) {
+    for (pc_index i = 0; i < rows; i++)
+        start[i + 1] += start[i];
+}
+
+/* After each offset has run to the next one. */
+static void run_back(pc_index *start, pc_index rows) {
+    for (pc_index i = rows; i > 0; i--)
+        start[i] = start[i - 1];
+    start[0] = 0;
+}
+
+/* The transpose of what was found. For a symmetric product it is the product, and has its columns in order.
+ */
+static void keep_transposed(pc_context *ctx, const product *p, row *rows, int threads) {
+    pc_blockmat *c = p->c;
+    const pc_index per_column = c->form == PC_FORM_TURNED ? 4 : 1;
+    for (int t = 0; t < threads; t++)
+        for (const chunk *from = rows[t].head; from; from = from->next)
+            for (size_t e = 0; e < from->count; e++)
+                c->start[from->key[e] / per_column + 1]++;
+    add_up(c->start, c->row_count);
+    for (int t = 0; t < threads; t++) {
+        if (c->form == PC_FORM_SCALAR) turn_chunks(PC_FORM_SCALAR, c, ctx, p, &rows[t]);
+        if (c->form == PC_FORM_COMPLEX) turn_chunks(PC_FORM_COMPLEX, c, ctx, p, &rows[t]);
+        if (c->form == PC_FORM_TURNED) turn_chunks(PC_FORM_TURNED, c, ctx, p, &rows[t]);
+    }
+    run_back(c->start, c->row_count);
 }
 
 static pc_status multiply(product *p, pc_context *ctx) {
     pc_status status = PC_OK;
     row *rows = NULL;
-    pc_index *start = NULL;
-    const int threads = omp_get_max_threads();
     const pc_index n = p->a->row_count;
-    const pc_block_form form = p->a->form;
-    size_t entries = 0, largest = 0;
+    const int threads = n > PC_PARALLEL_ROWS ? omp_get_max_threads() : 1;
+    size_t entries = 0;
     PC_TRY(pc_new(&rows, ctx, (size_t)threads));
-    PC_TRY(pc_new(&start, ctx, (size_t)n + 1));
+    PC_TRY(pc_new(&p->length, ctx, n));
     PC_TRY(make_rows(rows, ctx, p, threads));
-#define COUNT(form_of, i) count_row(form_of, start, rows, p, i)
-    PC_EACH_ROW(form, n, COUNT);
-#undef COUNT
-    for (pc_index i = 0; i < n; i++) {
-        entries += start[i + 1];
-        if (start[i + 1] >= largest) largest = start[i + 1] + (size_t)1;
-    }
-    PC_TRY(pc_blockmat_make(p->c, ctx, form, n, p->b->column_count, entries, p->finish == SPLIT_DIAGONAL));
+    PC_TRY(fill(rows, ctx, p, threads));
     for (pc_index i = 0; i < n; i++)
-        p->c->start[i + 1] = p->c->start[i] + start[i + 1];
-    for (int t = 0; t < threads; t++) {
-        PC_TRY(pc_new(&rows[t].sum, ctx, largest * (size_t)pc_form_size(form)));
-        PC_TRY(pc_new(&rows[t].rank, ctx, largest));
+        entries += p->length[i];
+    PC_TRY(
+        pc_blockmat_make(p->c, ctx, p->a->form, n, p->b->column_count, entries, p->finish == SPLIT_DIAGONAL));
+    if (p->finish == SPLIT_DIAGONAL) {
+        keep_transposed(ctx, p, rows, threads);
+    } else {
+        memcpy(p->c->start + 1, p->length, n * sizeof *p->length);
+        add_up(p->c->start, n);
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (int t = 0; t < threads; t++)
+            keep_chunks(p->c, ctx, &rows[t]);
     }
-#define ROW(form_of, i) fill_row(form_of, rows, p, i)
-    PC_EACH_ROW(form, n, ROW);
-#undef ROW
 done:
     free_rows(rows, ctx, threads);
-    pc_free(ctx, start);
+    pc_free(ctx, p->length);
     return status;
 }
 
@@ -246,8 +354,7 @@ pc_status pc_galerkin_transpose(pc_blockmat *restriction, pc_context *ctx, const
     pc_blockmat *r = restriction;
     for (size_t e = 0; e < entries; e++)
         r->start[p->column[e] + 1]++;
-    for (pc_index c = 0; c < p->column_count; c++)
-        r->start[c + 1] += r->start[c];
+    add_up(r->start, p->column_count);
     for (pc_index i = 0; i < p->row_count; i++) {
         for (pc_index e = p->start[i]; e < p->start[i + 1]; e++) {
             pc_index to = r->start[p->column[e]]++;
@@ -255,9 +362,7 @@ pc_status pc_galerkin_transpose(pc_blockmat *restriction, pc_context *ctx, const
             source[to] = e;
         }
     }
-    for (pc_index c = p->column_count; c > 0; c--)
-        r->start[c] = r->start[c - 1];
-    r->start[0] = 0;
+    run_back(r->start, p->column_count);
 #define ENTRY(form_of, e) transpose_entry(form_of, r, e, p, source[e])
     PC_EACH_ROW(form, (pc_index)entries, ENTRY);
 #undef ENTRY

@@ -216,27 +216,15 @@ static pc_status invert_last(pc_multigrid *mg, pc_context *ctx) {
     const size_t n = reals(a);
     pc_status status = PC_OK;
     double *m = NULL;
-    float *unit = NULL;
-    float *column = NULL;
     if (n > DIRECT) return PC_OK;
     PC_TRY(pc_new(&m, ctx, n * n));
-    PC_TRY(pc_new(&unit, ctx, n));
-    PC_TRY(pc_new(&column, ctx, n));
     PC_TRY(pc_new(&mg->inverse, ctx, n * n));
-    for (size_t c = 0; c < n; c++) {
-        unit[c] = 1;
-        pc_blockmat_apply(column, a, unit);
-        unit[c] = 0;
-        for (size_t i = 0; i < n; i++)
-            m[i * n + c] = (double)column[i];
-    }
+    pc_blockmat_dense(m, a);
     PC_TRY(pc_smallmat_invert(m, ctx, n));
     for (size_t k = 0; k < n * n; k++)
         mg->inverse[k] = (float)m[k];
 done:
     pc_free(ctx, m);
-    pc_free(ctx, unit);
-    pc_free(ctx, column);
     return status;
 }
 

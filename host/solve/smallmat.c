@@ -3,48 +3,63 @@
 #include <math.h>
 #include <string.h>
 
-pc_status pc_smallmat_invert(double *m, pc_context *ctx, size_t n) {
-    double *l = NULL;
-    pc_status status = pc_new(&l, ctx, n * n);
-    if (status != PC_OK) return status;
-    /* m = L L^T, then L := L^-1, then m := L^T L. */
+/* y += a x */
+static void add_multiple(double *y, double a, const double *x, size_t n) {
+    for (size_t k = 0; k < n; k++)
+        y[k] += a * x[k];
+}
+
+/* The lower half of m becomes L, m = L L^T; `beside` holds n numbers. */
+static void factor(double *m, double *beside, size_t n) {
     for (size_t j = 0; j < n; j++) {
+        /* beside[j] still is the diagonal as given. */
+        double least = 1e-12 * fabs(beside[j]);
         double pivot = m[j * n + j];
-        double least = 1e-12 * fabs(pivot);
-        for (size_t k = 0; k < j; k++)
-            pivot -= l[j * n + k] * l[j * n + k];
-        l[j * n + j] = sqrt(pivot > least ? pivot : least > 0 ? 1e6 * least : 1);
-#pragma omp parallel for schedule(static) if (n - j > 64)
+        double root = sqrt(pivot > least ? pivot : least > 0 ? 1e6 * least : 1);
+        m[j * n + j] = root;
         for (size_t i = j + 1; i < n; i++) {
-            double sum = 0.5 * (m[i * n + j] + m[j * n + i]);
-            for (size_t k = 0; k < j; k++)
-                sum -= l[i * n + k] * l[j * n + k];
-            l[i * n + j] = sum / l[j * n + j];
+            double keep = m[i * n + j] / root;
+            m[i * n + j] = keep;
+            m[j * n + i] = keep;
         }
+        for (size_t i = j + 1; i < n; i++)
+            add_multiple(m + i * n + j + 1, -m[i * n + j], m + j * n + j + 1, i - j);
     }
-    memset(m, 0, n * n * sizeof *m);
-    /* Column c of L^-1 goes to row c of m: contiguous for the products below. */
-#pragma omp parallel for schedule(static)
-    for (size_t c = 0; c < n; c++) {
-        double *x = m + c * n;
-        x[c] = 1 / l[c * n + c];
-        for (size_t i = c + 1; i < n; i++) {
-            double sum = 0;
-            for (size_t k = c; k < i; k++)
-                sum -= l[i * n + k] * x[k];
-            x[i] = sum / l[i * n + i];
-        }
+}
+
+pc_status pc_smallmat_invert(double *m, pc_context *ctx, size_t n) {
+    double *x = NULL;
+    double *diagonal = NULL;
+    pc_status status = PC_OK;
+    PC_TRY(pc_new(&x, ctx, n * n));
+    PC_TRY(pc_new(&diagonal, ctx, n));
+    for (size_t j = 0; j < n; j++) {
+        diagonal[j] = m[j * n + j];
+        for (size_t i = j + 1; i < n; i++)
+            m[i * n + j] = 0.5 * (m[i * n + j] + m[j * n + i]);
     }
-#pragma omp parallel for schedule(static)
+    factor(m, diagonal, n);
+    /* x = L^-1 */
     for (size_t i = 0; i < n; i++) {
-        for (size_t j = 0; j < n; j++) {
-            double sum = 0;
-            for (size_t k = i > j ? i : j; k < n; k++)
-                sum += m[i * n + k] * m[j * n + k];
-            l[i * n + j] = sum;
-        }
+        double *row = x + i * n;
+        for (size_t k = 0; k < i; k++)
+            add_multiple(row, -m[i * n + k], x + k * n, k + 1);
+        for (size_t k = 0; k < i; k++)
+            row[k] /= m[i * n + i];
+        row[i] = 1 / m[i * n + i];
     }
-    memcpy(m, l, n * n * sizeof *m);
-    pc_free(ctx, l);
-    return PC_OK;
+    /* m = x^T x */
+#pragma omp parallel for schedule(static, 8)
+    for (size_t i = 0; i < n; i++) {
+        memset(m + i * n, 0, n * sizeof *m);
+        for (size_t k = i; k < n; k++)
+            add_multiple(m + i * n, x[k * n + i], x + k * n, i + 1);
+    }
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = i + 1; j < n; j++)
+            m[i * n + j] = m[j * n + i];
+done:
+    pc_free(ctx, x);
+    pc_free(ctx, diagonal);
+    return status;
 }

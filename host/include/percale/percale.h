@@ -42,6 +42,7 @@ extern "C" {
 #include "run.h"
 #include "scan.h"
 #include "scene.h"
+#include "scene_spline.h"
 #include "shell.h"
 #include "spline_store.h"
 #include "step.h"
