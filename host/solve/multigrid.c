@@ -10,7 +10,7 @@
 enum { DIRECT = 320 };
 /* Share of the spectrum, from above, that smoothing covers. */
 static const double smooth_from = 0.1;
-static const double strong = 0.015;
+static const double strong = 0.06;
 
 static size_t reals(const pc_blockmat *a) {
     return (size_t)a->row_count * (size_t)pc_form_width(a->form);
