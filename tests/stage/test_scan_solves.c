@@ -21,7 +21,7 @@ static const scan_count counts[] = {
     {"fertility.off", 8, 9, false},       {"fandisk.off", 8, 9, false},
     {"rocker-arm.obj", 9, 9, false},      {"spot.obj", 8, 9, false},
     {"camelhead.off", 10, 9, false},      {"stanford-bunny.obj", 10, 9, true},
-    {"nefertiti-lowres.obj", 9, 9, true}, {"botijo.obj", 10, 9, true},
+    {"nefertiti-lowres.obj", 9, 9, true}, {"botijo.obj", 10, 10, true},
     {"tower_holes.obj", 10, 9, true},
 };
 
