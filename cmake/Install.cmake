@@ -18,6 +18,15 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/percaleConfigVersio
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/percaleConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/percaleConfigVersion.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/percale)
 
+# For programs that do not use CMake. The libraries are those that this build found.
+set(pc_libraries ${OpenCL_LIBRARIES} ${PNG_LIBRARIES} ${ZLIB_LIBRARIES} ${HDF5_LIBRARIES} ${METIS_LIBRARY} ${DEFLATE_LIBRARY})
+list(REMOVE_DUPLICATES pc_libraries)
+list(JOIN pc_libraries " " PC_LIBRARIES)
+file(RELATIVE_PATH PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" PC_PREFIX ${PC_PREFIX})
+configure_file(cmake/percale.pc.in ${CMAKE_CURRENT_BINARY_DIR}/percale.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/percale.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
 find_program(SCDOC scdoc)
 if(SCDOC)
   set(man_source ${CMAKE_CURRENT_SOURCE_DIR}/docs/percale.1.scd)

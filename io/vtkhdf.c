@@ -208,3 +208,23 @@ pc_status pc_vtkhdf_write_layout(pc_context *ctx, const char *path, const pc_lay
     };
     return pc_vtkhdf_write_triangles(ctx, path, &layout->mesh, arrays, 2, options);
 }
+
+pc_status pc_vtkhdf_write_surface(pc_context *ctx, const char *path, const pc_tspline *spline,
+                                  const pc_skin *skin, const double *distance,
+                                  const pc_store_options *options) {
+    pc_status status = PC_OK;
+    pc_index *face = NULL;
+    PC_TRY(pc_new(&face, ctx, skin->mesh.face_count));
+    for (pc_index t = 0; t < skin->mesh.face_count; t++)
+        face[t] = spline->basis.element[skin->element[t]].face;
+    const pc_vtk_array arrays[] = {
+        {"normal", PC_STORE_F64, 3, false, skin->normal, "1", "unit normal of the spline surface"},
+        {"element", PC_STORE_U32, 1, true, skin->element, "1", "Bezier element on which the triangle lies"},
+        {"face", PC_STORE_U32, 1, true, face, "1", "face of the T-mesh on which the triangle lies"},
+        {"distance", PC_STORE_F64, 1, false, distance, "model", "distance to the scan"},
+    };
+    PC_TRY(pc_vtkhdf_write_triangles(ctx, path, &skin->mesh, arrays, distance ? 4 : 3, options));
+done:
+    pc_free(ctx, face);
+    return status;
+}

@@ -9,6 +9,7 @@
 #include "layout.h"
 #include "param.h"
 #include "polymesh.h"
+#include "skin.h"
 #include "store.h"
 
 /* One array for the points or the cells of a grid. */
@@ -40,5 +41,11 @@ pc_status pc_vtkhdf_write_scan(pc_context *ctx, const char *path, const pc_mesh 
  * source_face). */
 pc_status pc_vtkhdf_write_layout(pc_context *ctx, const char *path, const pc_layout *layout,
                                  const pc_store_options *options);
+
+/* The spline surface as triangles. `distance`, per vertex of the skin to the scan, may be NULL. Point data:
+ * normal, distance. Cell data: element, face (of the T-mesh). */
+pc_status pc_vtkhdf_write_surface(pc_context *ctx, const char *path, const pc_tspline *spline,
+                                  const pc_skin *skin, const double *distance,
+                                  const pc_store_options *options);
 
 #endif

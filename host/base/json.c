@@ -1,5 +1,6 @@
 #include "json.h"
 #include "memory.h"
+#include "utf8.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -39,23 +40,10 @@ static void new_line(pc_json *json) {
         append_text(json, "  ");
 }
 
-/* Length of the UTF-8 sequence at `s`, 0 where there is none. */
-static size_t sequence_length(const unsigned char *s) {
-    static const unsigned char least[5][2] = {{0}, {0}, {0xc2, 0x80}, {0xe0, 0x80}, {0xf0, 0x80}};
-    size_t n = s[0] < 0x80 ? 1 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : 4;
-    if (n == 1) return 1;
-    if (s[0] < least[n][0] || s[0] > 0xf4) return 0;
-    for (size_t i = 1; i < n; i++)
-        if ((s[i] & 0xc0) != 0x80) return 0;
-    if ((s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xed && s[1] > 0x9f)) return 0;
-    if ((s[0] == 0xf0 && s[1] < 0x90) || (s[0] == 0xf4 && s[1] > 0x8f)) return 0;
-    return n;
-}
-
 static void append_quoted(pc_json *json, const char *value) {
     append_text(json, "\"");
     for (const unsigned char *s = (const unsigned char *)value; *s;) {
-        size_t n = sequence_length(s);
+        size_t n = pc_utf8_length(s);
         char escape[8];
         if (n == 0) {
             append_text(json, "\xef\xbf\xbd");

@@ -17,9 +17,9 @@ static const char about[] =
 /* What the options of the command line are read into. */
 typedef struct convert_line {
     pc_convert_options options;
-    const char *out, *last;
+    const char *out, *last, *tolerance, *formats;
     int ngons, borders, pgp;
-    uint64_t min_component, parts, threads;
+    uint64_t min_component, max_control_points, parts, threads;
     bool json, quiet, verbose, no_pictures;
 } convert_line;
 
@@ -38,6 +38,13 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
             "edge length of the quads, in mean edge lengths of the scan (default 10, less where that "
             "would give fewer than 4000 quads, or half as "
             "many as there are triangles)"),
+        PC_TEXT("tolerance", 0, &line->tolerance, "T",
+                "make a smooth T-spline surface too, nowhere farther than T from the scan: 0.2% of the "
+                "diagonal of its box, or 0.05 in its units"),
+        PC_COUNT("max-control-points", &line->max_control_points, "N", 1, PC_NONE,
+                 "of the T-spline (default: as many as the scan has vertices)"),
+        PC_TEXT("formats", 0, &line->formats, "LIST",
+                "further files of the T-spline beside surface.step: iges,iga,bext,gismo, or all"),
         PC_TEXT("output", 'o', &line->out, "OUT", "the folder for the results"),
         PC_CHOICE("ngons", &line->ngons, "split|keep",
                   "cells that are not quads: split into quads (default), or kept whole"),
@@ -46,7 +53,8 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
         PC_FLAG("curl-correction", 0, &o->curl_correction,
                 "let the size of the quads vary, for fewer irregular vertices"),
         PC_TEXT("to", 0, &line->last, "STAGE",
-                "stop after scan, mesh, parts, curvature, field, curl, param, layout or quads"),
+                "stop after scan, mesh, parts, curvature, field, curl, param, layout, quads or "
+                "spline"),
         PC_FLAG("resume", 0, &o->resume, "keep the finished stages of an earlier run in OUT"),
         PC_FLAG("force", 0, &o->force, "overwrite the results of an earlier run in OUT"),
         PC_FLAG("strict", 0, &o->strict, "refuse edges with more than two faces instead of cutting them"),
@@ -89,6 +97,41 @@ static pc_status find_stage(pc_stage_id *stage, pc_context *ctx, const char *opt
                    nearest ? "; did you mean " : "", nearest ? nearest : "", nearest ? "?" : "");
 }
 
+static const char default_tolerance[] = "0.2%";
+
+/* "0.2%" of the diagonal, or a length. */
+static pc_status read_tolerance(pc_convert_options *options, pc_context *ctx, const char *text) {
+    char *end;
+    double value = strtod(text, &end);
+    bool percent = end != text && strcmp(end, "%") == 0;
+    if (end == text || (*end && !percent) || !(value > 0) || !isfinite(value))
+        return pc_fail(ctx, PC_E_USAGE,
+                       "--tolerance wants a distance above 0, such as 0.2%% of the diagonal or 0.05 in the "
+                       "units of the scan, not '%s'",
+                       text);
+    options->tolerance = percent ? value / 100 : value;
+    options->tolerance_relative = percent;
+    return PC_OK;
+}
+
+/* "iges,iga": bits of pc_convert_options.spline_formats. */
+static pc_status read_formats(pc_convert_options *options, pc_context *ctx, const char *text) {
+    for (const char *word = text; *word; word += *word == ',') {
+        size_t length = strcspn(word, ",");
+        unsigned found = length == 3 && strncmp(word, "all", 3) == 0 ? (1U << PC_SPLINE_FORMATS) - 1 : 0;
+        for (int format = 0; format < PC_SPLINE_FORMATS; format++) {
+            const char *name = pc_spline_format_name((pc_spline_format)format);
+            if (strlen(name) == length && strncmp(word, name, length) == 0) found = 1U << format;
+        }
+        if (!found)
+            return pc_fail(ctx, PC_E_USAGE, "--formats wants some of iges,iga,bext,gismo, or all, not '%s'",
+                           text);
+        options->spline_formats |= found;
+        word += length;
+    }
+    return PC_OK;
+}
+
 static pc_status finish_options(convert_line *line, pc_context *ctx) {
     pc_convert_options *options = &line->options;
     pc_status status = PC_OK;
@@ -98,8 +141,20 @@ static pc_status finish_options(convert_line *line, pc_context *ctx) {
     options->pictures = !line->no_pictures;
     options->min_component = (pc_index)line->min_component;
     options->parts = (pc_index)line->parts;
+    options->max_control_points = (pc_index)line->max_control_points;
     if (line->last) PC_TRY(find_stage(&options->last, ctx, "--to", line->last));
     if (options->last == PC_STAGE_CURL) options->curl_correction = true;
+    if (options->last == PC_STAGE_SPLINE && !line->tolerance) line->tolerance = default_tolerance;
+    if (line->tolerance) PC_TRY(read_tolerance(options, ctx, line->tolerance));
+    if (line->formats) PC_TRY(read_formats(options, ctx, line->formats));
+    if (line->formats && !line->tolerance) {
+        status = pc_fail(ctx, PC_E_USAGE, "--formats are those of the T-spline: --tolerance makes one");
+        goto done;
+    }
+    if (line->tolerance && options->keep_ngons) {
+        status = pc_fail(ctx, PC_E_USAGE, "--tolerance wants quads only: leave out --ngons keep");
+        goto done;
+    }
     const char *stop = getenv("PERCALE_STOP_AFTER"); /* a hook of the tests: CONTRIBUTING.md */
     if (stop) PC_TRY(find_stage(&options->stop_after, ctx, "PERCALE_STOP_AFTER", stop));
     if (line->threads) {

@@ -18,8 +18,10 @@ pc_status pc_command_render(pc_context *ctx, int argc, const char **argv) {
     uint32_t size[2] = {1600, 1200};
     pc_option table[] = {
         PC_TEXT("output", 'o', &out, "PICTURE", "the PNG file to write"),
-        PC_CHOICE("what", &what, "scan|curvature|field|isolines|layout|quads",
-                  "scan, curvature, field, isolines, layout or quads (default: the last that is there)"),
+        PC_CHOICE("what", &what, "scan|curvature|field|isolines|layout|quads|surface|zebra|error",
+                  "scan, curvature, field, isolines, layout, quads, or of the spline surface, zebra "
+                  "(reflection lines) or error (distance to the scan); default: the last of the others that "
+                  "is there"),
         PC_TEXT("view", 0, &view, "VIEW",
                 "pair (default), iso, back-iso, front, back, left, right, top or bottom"),
         PC_CHOICE("up", &up, "auto|x|y|z", "which axis points up: auto (default), x, y or z"),

@@ -6,7 +6,8 @@
 
 typedef pc_status pc_command(pc_context *ctx, int argc, const char **argv);
 
-pc_command pc_command_convert, pc_command_check, pc_command_info, pc_command_render, pc_command_devices;
+pc_command pc_command_convert, pc_command_check, pc_command_info, pc_command_render, pc_command_eval,
+    pc_command_devices;
 
 /* Usage, one paragraph, the options of `table`, to stdout. */
 void pc_command_help(const char *usage, const char *text, const pc_option *table);

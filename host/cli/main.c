@@ -20,6 +20,7 @@ static const command commands[] = {
     {"check", pc_command_check, "tell what a scan is like and what repair would do"},
     {"info", pc_command_info, "tell what an HDF5 file of Percale holds"},
     {"render", pc_command_render, "draw a scan or a result as PNG"},
+    {"eval", pc_command_eval, "evaluate the spline of a result: points, normals, distances"},
     {"devices", pc_command_devices, "list the OpenCL devices"},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };

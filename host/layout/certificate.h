@@ -50,6 +50,9 @@ typedef struct pc_certificate_options {
  * `quality`; `field` may be NULL. Never fails. */
 void pc_certificate_make(pc_certificate *certificate, const pc_quality *quality, const pc_field *field,
                          const pc_certificate_options *options);
+/* One more check, whose note may be filled in. At most PC_CERTIFICATE_CHECKS in all. */
+pc_check *pc_certificate_add(pc_certificate *certificate, const char *name, double value, double expected,
+                             bool passed);
 /* The check of that name, NULL where it was left out. */
 const pc_check *pc_certificate_find(const pc_certificate *certificate, const char *name);
 

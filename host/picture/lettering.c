@@ -215,28 +215,73 @@ static void fill_bar(pc_picture *picture, const pc_colormap *map, int x0, int y0
         }
 }
 
+/* The bar, from x[0] to x[1] and from y[1] up to y[0], in pixels. */
+typedef struct bar {
+    int x[2], y[2];
+    double letter; /* height of capitals */
+} bar;
+
+static const pc_color legend_ink = 0x2b3640;
+
+static bar place_bar(const pc_picture *picture) {
+    const int *box = picture->legend_box;
+    int width = box[2] - box[0], height = box[3] - box[1], x0 = box[0] + width / 10;
+    return (bar){{x0, x0 + width / 6}, {box[1] + height / 4, box[1] + 3 * height / 4}, 11 * width / 150.0};
+}
+
+/* At `part` of the scale. */
+static pc_status draw_tick(pc_picture *picture, pc_context *ctx, const bar *b, double part, double value,
+                           double range, const char *word) {
+    pc_status status = PC_OK;
+    char text[32];
+    double y = b->y[1] + part * (b->y[0] - b->y[1]), left = word ? b->x[0] - 0.4 * b->letter : b->x[1];
+    const double x = b->x[1] + 0.9 * b->letter;
+    pc_stroke line = {.from = {left, y, 0},
+                      .to = {b->x[1] + 0.4 * b->letter, y, 0},
+                      .color = legend_ink,
+                      .width = (float)(b->letter * (word ? 0.17 : 0.09))};
+    PC_TRY(pc_stroke_draw_flat(picture, ctx, &line, 1));
+    number_text(text, value, range);
+    PC_TRY(pc_lettering_draw(picture, ctx, x, y + 0.5 * b->letter, b->letter, legend_ink, text));
+    if (word)
+        PC_TRY(pc_lettering_draw(picture, ctx, x, y + 2 * b->letter, 0.85 * b->letter, legend_ink, word));
+done:
+    return status;
+}
+
+static pc_status draw_title(pc_picture *picture, pc_context *ctx, const bar *b, const char *title) {
+    const int *box = picture->legend_box;
+    const int width = box[2] - box[0];
+    double fit =
+        title[0] ? b->letter * fmin(1, 0.92 * width / pc_lettering_width(title, b->letter)) : b->letter;
+    double x = fmin(b->x[0], box[2] - 0.04 * width - pc_lettering_width(title, fit));
+    return pc_lettering_draw(picture, ctx, x, b->y[0] - 1.8 * b->letter, fit, legend_ink, title);
+}
+
 pc_status pc_legend_draw(pc_picture *picture, pc_context *ctx, const pc_colormap *map, double low,
                          double high, const char *title) {
     pc_status status = PC_OK;
-    const int *box = picture->legend_box;
-    const pc_color ink = 0x2b3640;
-    int width = box[2] - box[0], height = box[3] - box[1];
-    if (width < 60) return PC_OK;
-    double letter = 11 * width / 150.0;
-    int x0 = box[0] + width / 10, x1 = x0 + width / 6;
-    int y0 = box[1] + height / 4, y1 = box[1] + 3 * height / 4;
-    fill_bar(picture, map, x0, y0, x1, y1);
-    for (int k = 0; k < 5; k++) {
-        char text[32];
-        double y = y1 + 0.25 * k * (y0 - y1);
-        pc_stroke tick = {.from = {x1, y, 0}, .to = {x1 + 0.4 * letter, y, 0}, .color = ink, .width = 1};
-        PC_TRY(pc_stroke_draw_flat(picture, ctx, &tick, 1));
-        number_text(text, low + 0.25 * k * (high - low), high - low);
-        PC_TRY(pc_lettering_draw(picture, ctx, x1 + 0.9 * letter, y + 0.5 * letter, letter, ink, text));
-    }
-    double fit = title[0] ? letter * fmin(1, 0.92 * width / pc_lettering_width(title, letter)) : letter;
-    double x = fmin(x0, box[2] - 0.04 * width - pc_lettering_width(title, fit));
-    PC_TRY(pc_lettering_draw(picture, ctx, x, y0 - 1.8 * letter, fit, ink, title));
+    if (picture->legend_box[2] - picture->legend_box[0] < 60) return PC_OK;
+    const bar b = place_bar(picture);
+    fill_bar(picture, map, b.x[0], b.y[0], b.x[1], b.y[1]);
+    for (int k = 0; k < 5; k++)
+        PC_TRY(draw_tick(picture, ctx, &b, 0.25 * k, low + 0.25 * k * (high - low), high - low, NULL));
+    PC_TRY(draw_title(picture, ctx, &b, title));
+done:
+    return status;
+}
+
+pc_status pc_legend_draw_ticks(pc_picture *picture, pc_context *ctx, const pc_colormap *map, double high,
+                               const char *title, const pc_tick *tick, int count) {
+    pc_status status = PC_OK;
+    if (picture->legend_box[2] - picture->legend_box[0] < 60) return PC_OK;
+    const bar b = place_bar(picture);
+    fill_bar(picture, map, b.x[0], b.y[0], b.x[1], b.y[1]);
+    for (int k = 0; k < count; k++)
+        PC_TRY(draw_tick(picture, ctx, &b, tick[k].value / high, tick[k].value, high, tick[k].word));
+    PC_TRY(draw_title(picture, ctx, &b, title));
+    PC_TRY(pc_lettering_draw(picture, ctx, b.x[0], b.y[1] + 2.6 * b.letter, 0.85 * b.letter, legend_ink,
+                             "in units of the scan"));
 done:
     return status;
 }

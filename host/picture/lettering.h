@@ -16,4 +16,13 @@ pc_status pc_lettering_draw(pc_picture *picture, pc_context *ctx, double x, doub
 pc_status pc_legend_draw(pc_picture *picture, pc_context *ctx, const pc_colormap *map, double low,
                          double high, const char *title);
 
+/* A place on a legend's scale, with a word under its number (or NULL). */
+typedef struct pc_tick {
+    double value;
+    const char *word;
+} pc_tick;
+/* The same from 0 to `high`, numbers where they are asked for. One with a word crosses the bar. */
+pc_status pc_legend_draw_ticks(pc_picture *picture, pc_context *ctx, const pc_colormap *map, double high,
+                               const char *title, const pc_tick *tick, int count);
+
 #endif

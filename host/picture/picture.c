@@ -2,7 +2,10 @@
 #include "memory.h"
 #include <string.h>
 
-enum { LEGEND_WIDTH = 150 };
+/* Of the legend, in pixels: letters as large beside the model in pictures of any size. */
+static int legend_width(int width) {
+    return width > 900 ? width / 6 : 150;
+}
 
 static pc_color background(int row, int rows) {
     return pc_color_mix(0xfdfdfc, 0xebeef0, (float)row / (float)rows);
@@ -64,7 +67,8 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
     int s = options->samples;
     picture->width = options->width, picture->height = options->height, picture->samples = s;
     picture->columns = s * options->width, picture->rows = s * options->height;
-    int legend = options->legend && options->width > 3 * LEGEND_WIDTH ? LEGEND_WIDTH : 0;
+    const int wish = legend_width(options->width);
+    int legend = options->legend && options->width > 3 * wish ? wish : 0;
     int free_box[4] = {options->width - legend, 0, options->width, options->height};
     memcpy(picture->legend_box, free_box, sizeof(free_box));
     int box[4] = {0, 0, s * (options->width - legend), picture->rows};
@@ -130,6 +134,40 @@ pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture 
     for (int y = 0; y < picture->height; y++)
         for (int x = 0; x < picture->width; x++)
             mix_pixel(*pixels + 3 * ((size_t)y * (size_t)picture->width + (size_t)x), picture, x, y);
+    return PC_OK;
+}
+
+/* How much of the old pixel k lies in new pixel x, in parts of which an old pixel has `to`. */
+static int share_of(int k, int x, int from, int to) {
+    int low = k * to > x * from ? k * to : x * from;
+    int high = (k + 1) * to < (x + 1) * from ? (k + 1) * to : (x + 1) * from;
+    return high - low;
+}
+
+static void shrink_pixel(uint8_t out[3], const uint8_t *pixels, const int from[2], const int to[2], int x,
+                         int y) {
+    uint64_t sum[3] = {0, 0, 0}, total = (uint64_t)from[0] * (uint64_t)from[1];
+    for (int j = y * from[1] / to[1]; j * to[1] < (y + 1) * from[1]; j++)
+        for (int i = x * from[0] / to[0]; i * to[0] < (x + 1) * from[0]; i++) {
+            uint64_t weight =
+                (uint64_t)share_of(i, x, from[0], to[0]) * (uint64_t)share_of(j, y, from[1], to[1]);
+            const uint8_t *pixel = pixels + 3 * ((size_t)j * (size_t)from[0] + (size_t)i);
+            for (int k = 0; k < 3; k++)
+                sum[k] += weight * pixel[k];
+        }
+    for (int k = 0; k < 3; k++)
+        out[k] = (uint8_t)((sum[k] + total / 2) / total);
+}
+
+pc_status pc_picture_shrink(uint8_t **shrunk, pc_context *ctx, const uint8_t *pixels, int width, int height,
+                            int to_width, int to_height) {
+    const int from[2] = {width, height}, to[2] = {to_width, to_height};
+    pc_status status = pc_new(shrunk, ctx, 3 * (size_t)to_width * (size_t)to_height);
+    if (status != PC_OK) return status;
+#pragma omp parallel for schedule(static)
+    for (int y = 0; y < to_height; y++)
+        for (int x = 0; x < to_width; x++)
+            shrink_pixel(*shrunk + 3 * ((size_t)y * (size_t)to_width + (size_t)x), pixels, from, to, x, y);
     return PC_OK;
 }
 

@@ -41,6 +41,11 @@ void pc_picture_free(pc_picture *picture, pc_context *ctx);
 /* The finished pixels, 3 bytes (red, green, blue) each, row by row from above; free with pc_free. */
 pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture *picture);
 
+/* Smaller pixels of finished ones, each the mean of the area that it covers: `to_width` x `to_height`,
+ * neither larger than before. `*shrunk` is freed with pc_free. */
+pc_status pc_picture_shrink(uint8_t **shrunk, pc_context *ctx, const uint8_t *pixels, int width, int height,
+                            int to_width, int to_height);
+
 /* How long a screen distance of `pixels` is in model units around the centre of the view. */
 double pc_picture_pixel_length(const pc_picture *picture, double pixels);
 

@@ -6,6 +6,7 @@
 
 typedef struct lights {
     float key[3], half[3], fill[3], up[3], back[3]; /* unit, from the surface to the light */
+    float pole[3];                                  /* around which the reflected stripes lie */
 } lights;
 
 typedef struct tone {
@@ -20,6 +21,7 @@ typedef struct facet {
     const float *a, *b, *c; /* projected corners */
     float inverse;          /* of twice the area on the screen */
     float normal[3];        /* of the face, unit; only where the surface is not all smooth */
+    float blur;             /* stripes from one sample to the next; only where it has any */
 } facet;
 
 typedef struct shader {
@@ -85,6 +87,7 @@ static void make_lights(lights *l, const pc_camera *c) {
     in_view(l->half, c, -0.25, 0.33, 0.85); /* about half way between the key light and the viewer */
     in_view(l->up, c, 0, 1, 0.15);
     in_view(l->back, c, 0, 0, 1);
+    in_view(l->pole, c, 0.42, 0.86, 0.28);
 }
 
 static void make_tone(tone *t) {
@@ -139,6 +142,46 @@ static void flat_normal(float n[3], const shader *s, const facet *t) {
     n[0] = (float)m.x, n[1] = (float)m.y, n[2] = (float)m.z;
 }
 
+/* The ray from the eye to a sample of the pane, mirrored by the surface with normal n at `depth`, meets a
+ * sphere around the model; where among the stripes that lie on it around an oblique axis, so that flat pieces
+ * and cylinders along the picture show some too. A smooth function of place and normal: whatever has a kink
+ * is the surface. Also how squarely the surface is seen, 0..1. */
+static float stripe_at(float *facing, const shader *s, float x, float y, float depth, const float n[3]) {
+    const pc_camera *c = &s->pane->camera;
+    const double w = c->distance / (1 + (double)depth), radius = c->distance / 3;
+    double across = ((double)x - c->column) / (c->scale * c->distance);
+    double along = (c->row - (double)y) / (c->scale * c->distance);
+    pc_vec3 eye = pc_sub(c->back, pc_add(pc_scale(across, c->right), pc_scale(along, c->up)));
+    pc_vec3 p = pc_sub(pc_scale(c->distance, c->back), pc_scale(w, eye)); /* from the centre */
+    pc_vec3 v = pc_unit(eye), normal = {(double)n[0], (double)n[1], (double)n[2]};
+    pc_vec3 r = pc_sub(pc_scale(2 * pc_dot(normal, v), normal), v);
+    double b = pc_dot(p, r), far = sqrt(fmax(0, b * b - pc_dot(p, p) + radius * radius)) - b;
+    pc_vec3 pole = {(double)s->light.pole[0], (double)s->light.pole[1], (double)s->light.pole[2]};
+    *facing = (float)fabs(pc_dot(normal, v));
+    return 0.5F * s->surface->stripes * (float)(1 + pc_dot(pc_madd(p, far, r), pole) / radius);
+}
+
+/* Black of a row of stripes, half black and half white each, on [at - width/2, at + width/2]. */
+static float stripe_cover(float at, float width) {
+    float low = at - 0.5F * width, high = at + 0.5F * width;
+    float below = 0.5F * floorf(low) + pc_lesser(low - floorf(low), 0.5F);
+    float above = 0.5F * floorf(high) + pc_lesser(high - floorf(high), 0.5F);
+    return (above - below) / width;
+}
+
+/* How fast the stripes follow each other in a face. */
+static void take_blur(facet *t, const shader *s) {
+    float f[3], facing;
+    const float *corner[3] = {t->a, t->b, t->c};
+    for (int k = 0; k < 3; k++)
+        f[k] =
+            stripe_at(&facing, s, corner[k][0], corner[k][1], corner[k][2], s->normal + 3 * (size_t)t->v[k]);
+    float bx = t->b[0] - t->a[0], by = t->b[1] - t->a[1], cx = t->c[0] - t->a[0], cy = t->c[1] - t->a[1];
+    float fx = ((f[1] - f[0]) * cy - (f[2] - f[0]) * by) * t->inverse;
+    float fy = ((f[2] - f[0]) * bx - (f[1] - f[0]) * cx) * t->inverse;
+    t->blur = pc_lesser(pc_greater(fabsf(fx) + fabsf(fy), 1e-3F), 8);
+}
+
 static void take_facet(facet *t, const shader *s, pc_index face) {
     const pc_surface *f = s->surface;
     t->face = face;
@@ -148,6 +191,7 @@ static void take_facet(facet *t, const shader *s, pc_index face) {
     float area = (t->b[0] - t->a[0]) * (t->c[1] - t->a[1]) - (t->b[1] - t->a[1]) * (t->c[0] - t->a[0]);
     t->inverse = area != 0 ? 1 / area : 0;
     if (f->flat > 0) flat_normal(t->normal, s, t);
+    if (f->stripes > 0) take_blur(t, s);
 }
 
 /* Weights of the corners at a sample, corrected for perspective: depth + 1 grows as 1/distance. */
@@ -161,6 +205,14 @@ static void corner_weights(float w[3], const facet *t, float x, float y) {
     float inverse = 1 / (w[0] + w[1] + w[2]);
     for (int k = 0; k < 3; k++)
         w[k] *= inverse;
+}
+
+/* Towards the rim of the model, where all stripes are narrower than a sample, only their mean. */
+static pc_color striped(const shader *s, const facet *t, float x, float y, const float n[3]) {
+    const size_t at = (size_t)y * (size_t)s->picture->columns + (size_t)x;
+    float facing, where = stripe_at(&facing, s, x, y, s->picture->depth[at], n);
+    float cover = stripe_cover(where, t->blur);
+    return pc_color_mix(0xf6f5f1, 0x1b2733, 0.5F + (cover - 0.5F) * pc_lesser(1, 4 * facing));
 }
 
 static pc_color shaded(const shader *s, const facet *t, float x, float y, float shade) {
@@ -185,6 +237,7 @@ static pc_color shaded(const shader *s, const facet *t, float x, float y, float 
         float value = w[0] * f->value[t->v[0]] + w[1] * f->value[t->v[1]] + w[2] * f->value[t->v[2]];
         base = pc_colormap_at(f->map, (value - f->low) / (f->high - f->low));
     }
+    if (f->stripes > 0) base = striped(s, t, x, y, n);
     return lit(s, base, n, shade);
 }
 

@@ -18,6 +18,8 @@ typedef struct pc_surface {
     float flat;     /* 0: light by vertex normals, 1: by face normals */
     float cavity;   /* 0..1: how much hollows darken and ridges brighten */
     float even;     /* 0..1: 0 full light and shade, 1 the bare colours: for colours that are to be read */
+    float stripes;  /* > 0: reflection lines instead of other colours, that many from pole to pole of the
+                       surroundings; they take the vertex normals as they are */
     const pc_index *face_owner; /* per face: faces of equal owner share one face normal (n-gons); or NULL */
 } pc_surface;
 

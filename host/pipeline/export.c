@@ -1,6 +1,7 @@
 #include "export.h"
 #include "folder.h"
 #include "gather.h"
+#include "html_report.h"
 #include "memory.h"
 #include "polyfile.h"
 #include "previews.h"
@@ -39,6 +40,12 @@ static pc_status measure(pc_findings *findings, pc_run *run) {
         PC_TRY(pc_quality_measure(&findings->quality, run->ctx, &input));
         certify(findings, run);
         findings->has_quality = true;
+    }
+    if (finished(run, PC_STAGE_SPLINE)) {
+        PC_TRY(pc_stage_hold(run, PC_STAGE_SPLINE));
+        PC_TRY(pc_spline_findings_make(&findings->spline, run));
+        pc_spline_findings_certify(&findings->certificate, &p->spline);
+        findings->has_spline = true;
     }
 done:
     return status;
@@ -140,7 +147,7 @@ done:
     return status;
 }
 
-static pc_status write_pictures(pc_run *run) {
+static pc_status write_pictures(pc_album *album, pc_run *run) {
     const bool needs_mesh = finished(run, PC_STAGE_MESH);
     pc_status status = PC_OK;
     if (!run->options->pictures || !needs_mesh) return PC_OK;
@@ -150,7 +157,7 @@ static pc_status write_pictures(pc_run *run) {
         const pc_stage_id stage = pc_preview_stage(kind);
         if (!finished(run, stage)) continue;
         PC_TRY(pc_stage_hold(run, stage));
-        PC_TRY(pc_preview_write(run, kind));
+        PC_TRY(pc_preview_write(run, kind, album));
         if (stage == PC_STAGE_CURVATURE || stage == PC_STAGE_LAYOUT) pc_stage_drop(run, stage);
     }
 done:
@@ -191,6 +198,7 @@ static pc_status fail_certificate(pc_context *ctx, const pc_certificate *certifi
 
 pc_status pc_export(char **report, pc_run *run) {
     pc_findings findings = {0};
+    pc_album album = {0};
     pc_status status = PC_OK;
     *report = NULL;
     PC_TRY(measure(&findings, run));
@@ -198,13 +206,18 @@ pc_status pc_export(char **report, pc_run *run) {
     PC_TRY(write_result(run, &findings));
     pc_progress(run->ctx, 0.6);
     if (finished(run, PC_STAGE_QUADS)) PC_TRY(write_quads(run));
+    if (finished(run, PC_STAGE_SPLINE)) PC_TRY(pc_spline_files_write(run, &findings.spline));
     if (finished(run, PC_STAGE_MESH)) PC_TRY(write_scan(run));
     pc_progress(run->ctx, 0.8);
-    PC_TRY(write_pictures(run));
+    PC_TRY(write_pictures(&album, run));
     PC_TRY(pc_check_interrupt(run->ctx));
+    if (findings.has_spline) PC_TRY(pc_album_measure(&album, run->ctx, &run->product));
+    PC_TRY(pc_html_report_write(run, &findings, &album));
     PC_TRY(write_report(report, run, &findings));
     if (findings.has_quality && !findings.certificate.passed)
         status = fail_certificate(run->ctx, &findings.certificate);
 done:
+    pc_album_free(&album, run->ctx);
+    pc_spline_findings_free(&findings.spline, run->ctx);
     return status;
 }

@@ -12,8 +12,29 @@
 
 /* Everything that an export writes. */
 static const char *const results[] = {
-    PC_OUT_RESULT, PC_OUT_REPORT, "quads.obj",     "quads.ply",    "quads.hdf", "scan.hdf",
-    "scan.png",    "field.png",   "curvature.png", "isolines.png", "quads.png", "layout.png",
+    PC_OUT_RESULT,
+    PC_OUT_REPORT,
+    PC_OUT_PAGE,
+    "quads.obj",
+    "quads.ply",
+    "quads.hdf",
+    "scan.hdf",
+    "scan.png",
+    "field.png",
+    "curvature.png",
+    "isolines.png",
+    "quads.png",
+    "layout.png",
+    "surface.png",
+    "zebra.png",
+    "error.png",
+    PC_OUT_SURFACE ".step",
+    PC_OUT_SURFACE ".hdf",
+    PC_OUT_SURFACE ".igs",
+    PC_OUT_SURFACE ".iga",
+    PC_OUT_SURFACE ".bext",
+    PC_OUT_SURFACE ".xml",
+    PC_OUT_CAGE,
 };
 
 pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,

@@ -5,9 +5,12 @@
 #include "context.h"
 
 /* Names of the files in the folder. */
-#define PC_OUT_STAGES "stages"
-#define PC_OUT_REPORT "report.json"
-#define PC_OUT_RESULT "result.h5"
+#define PC_OUT_STAGES  "stages"
+#define PC_OUT_REPORT  "report.json"
+#define PC_OUT_PAGE    "report.html"
+#define PC_OUT_RESULT  "result.h5"
+#define PC_OUT_SURFACE "surface" /* and an ending */
+#define PC_OUT_CAGE    "cage.obj"
 
 /* `folder`/`name``ending`; free with pc_free. */
 pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,

@@ -2,6 +2,7 @@
 #ifndef PC_HELD_H
 #define PC_HELD_H
 
+#include "adapt.h"
 #include "curvature.h"
 #include "field.h"
 #include "layout.h"
@@ -34,6 +35,15 @@ typedef struct pc_held_mesh {
     double period;    /* the side of a cell to start from, model units */
 } pc_held_mesh;
 
+/* The spline and how far it got. */
+typedef struct pc_held_spline {
+    pc_tspline surface;
+    pc_adapt_stats stats;
+    pc_basis_facts facts;
+    double tolerance; /* model units */
+    double diagonal;  /* of the scan's box */
+} pc_held_spline;
+
 typedef struct pc_held {
     pc_held_scan scan;
     pc_held_mesh mesh;
@@ -45,6 +55,7 @@ typedef struct pc_held {
     pc_layout layout;
     pc_layout_stats layout_stats; /* when it was made in this run */
     pc_polymesh quads;
+    pc_held_spline spline;
 } pc_held;
 
 #endif

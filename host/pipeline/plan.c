@@ -14,7 +14,8 @@ double pc_plan_edge(const pc_convert_options *options, double area, double mean_
     if (options->edge_factor > 0) return options->edge_factor * mean_edge;
     /* As if the triangles were equilateral. */
     double triangles = area / (sqrt(0.1875) * mean_edge * mean_edge);
-    return fmin(PC_DEFAULT_EDGE_FACTOR * mean_edge, sqrt(area / fmin(PC_DEFAULT_LEAST_QUADS, triangles / 2)));
+    double least = options->tolerance > 0 ? PC_SPLINE_LEAST_QUADS : PC_DEFAULT_LEAST_QUADS;
+    return fmin(PC_DEFAULT_EDGE_FACTOR * mean_edge, sqrt(area / fmin(least, triangles / 2)));
 }
 
 pc_status pc_plan_make(pc_convert_plan *plan, pc_run *run) {

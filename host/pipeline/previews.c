@@ -3,6 +3,8 @@
 #include "memory.h"
 #include "png_file.h"
 #include "scene.h"
+#include "scene_spline.h"
+#include <math.h>
 
 static const struct {
     const char *name;
@@ -14,6 +16,9 @@ static const struct {
     [PC_PREVIEW_ISOLINES] = {"isolines", PC_STAGE_PARAM},
     [PC_PREVIEW_LAYOUT] = {"layout", PC_STAGE_LAYOUT},
     [PC_PREVIEW_QUADS] = {"quads", PC_STAGE_QUADS},
+    [PC_PREVIEW_SURFACE] = {"surface", PC_STAGE_SPLINE},
+    [PC_PREVIEW_ZEBRA] = {"zebra", PC_STAGE_SPLINE},
+    [PC_PREVIEW_ERROR] = {"error", PC_STAGE_SPLINE},
 };
 
 const char *pc_preview_name(pc_preview_kind kind) {
@@ -38,7 +43,58 @@ static pc_status draw_curvature(pc_picture *picture, pc_context *ctx, const pc_h
     return status;
 }
 
-static pc_status draw(pc_picture *picture, pc_context *ctx, const pc_held *held, pc_preview_kind kind) {
+static pc_status measure_errors(pc_errors *errors, pc_context *ctx, const pc_held *held) {
+    const pc_held_spline *spline = &held->spline;
+    pc_adjacency own = {0};
+    const pc_adjacency *adjacency = &held->mesh.adjacency;
+    pc_target target = {0};
+    pc_status status = PC_OK;
+    if (!adjacency->twin) { /* a mesh out of a file comes without one */
+        PC_TRY(pc_adjacency_make(&own, ctx, &held->mesh.mesh));
+        adjacency = &own;
+    }
+    PC_TRY(pc_target_make(&target, ctx, &held->mesh.mesh, adjacency));
+    PC_TRY(pc_errors_make(errors, ctx, &spline->surface, &target, spline->tolerance,
+                          spline->stats.accuracy.max));
+done:
+    pc_target_free(&target, ctx);
+    pc_adjacency_free(&own, ctx);
+    return status;
+}
+
+static void keep_errors(pc_album *album, pc_context *ctx, pc_errors *errors) {
+    if (!album) return;
+    album->errors = *errors, album->errors.distance = NULL;
+    album->has_errors = true;
+    pc_errors_free(errors, ctx);
+}
+
+pc_status pc_album_measure(pc_album *album, pc_context *ctx, const pc_held *held) {
+    pc_errors errors;
+    if (album->has_errors) return PC_OK;
+    pc_status status = measure_errors(&errors, ctx, held);
+    if (status == PC_OK) keep_errors(album, ctx, &errors);
+    return status;
+}
+
+void pc_album_free(pc_album *album, pc_context *ctx) {
+    for (int kind = 0; kind < PC_PREVIEW_COUNT; kind++)
+        pc_free(ctx, album->page[kind].png);
+    *album = (pc_album){0};
+}
+
+static pc_status draw_errors(pc_picture *picture, pc_context *ctx, const pc_held *held, pc_album *album) {
+    pc_errors errors;
+    pc_status status = measure_errors(&errors, ctx, held);
+    if (status != PC_OK) return status;
+    status = pc_scene_errors(picture, ctx, &held->spline.surface, &errors, held->spline.tolerance);
+    keep_errors(album, ctx, &errors);
+    pc_errors_free(&errors, ctx);
+    return status;
+}
+
+static pc_status draw(pc_picture *picture, pc_context *ctx, const pc_held *held, pc_preview_kind kind,
+                      pc_album *album) {
     const pc_mesh *mesh = &held->mesh.mesh;
     pc_status status = PC_OK;
     switch (kind) {
@@ -55,33 +111,80 @@ static pc_status draw(pc_picture *picture, pc_context *ctx, const pc_held *held,
         return pc_scene_layout(picture, ctx, &held->layout);
     case PC_PREVIEW_QUADS:
         return pc_scene_quads(picture, ctx, &held->quads);
+    case PC_PREVIEW_SURFACE:
+        return pc_scene_spline(picture, ctx, &held->spline.surface);
+    case PC_PREVIEW_ZEBRA:
+        return pc_scene_zebra(picture, ctx, &held->spline.surface);
+    case PC_PREVIEW_ERROR:
+        return draw_errors(picture, ctx, held, album);
     case PC_PREVIEW_COUNT:
         break;
     }
     return pc_fail(ctx, PC_E_BUG, "no such picture");
 }
 
+/* The rows of pixels that show something, with a margin; never less than a legend needs. */
+static void rows_used(int rows[2], const pc_picture *picture) {
+    const int margin = picture->height / 40;
+    int low = picture->height * 5 / 6, high = picture->height / 6;
+    for (int y = 0; y < picture->rows; y++)
+        for (int x = 0; x < picture->columns; x++) {
+            if (!isfinite(picture->depth[(size_t)y * (size_t)picture->columns + (size_t)x])) continue;
+            int row = y / picture->samples;
+            low = row < low ? row : low;
+            high = row > high ? row : high;
+            break;
+        }
+    if (low > picture->height / 6) low = picture->height / 6;
+    if (high < picture->height * 5 / 6) high = picture->height * 5 / 6;
+    rows[0] = low > margin ? low - margin : 0;
+    rows[1] = high + 1 + margin < picture->height ? high + 1 + margin : picture->height;
+}
+
+/* The spline's pictures, which are looked at closely, larger than the others. */
+static pc_status keep_page(pc_album_page *page, pc_context *ctx, const uint8_t *pixels,
+                           const pc_picture *picture, pc_preview_kind kind) {
+    const int most = previews[kind].stage == PC_STAGE_SPLINE ? 1000 : 800;
+    uint8_t *shrunk = NULL;
+    int rows[2];
+    pc_status status = PC_OK;
+    rows_used(rows, picture);
+    const int width = picture->width, height = rows[1] - rows[0];
+    page->width = width < most ? width : most;
+    page->height = (page->width * height + width / 2) / width;
+    PC_TRY(pc_picture_shrink(&shrunk, ctx, pixels + 3 * (size_t)width * (size_t)rows[0], width, height,
+                             page->width, page->height));
+    PC_TRY(pc_png_encode(&page->png, &page->size, ctx, shrunk, page->width, page->height));
+done:
+    pc_free(ctx, shrunk);
+    return status;
+}
+
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options) {
+                          const pc_picture_options *options, pc_album *album) {
     pc_picture_options with_legend = *options;
     pc_picture picture;
+    uint8_t *pixels = NULL;
     const pc_mesh *mesh = &held->mesh.mesh;
     /* All pictures of a run are framed on the scan, so that they can be laid beside each other. */
-    with_legend.legend = kind == PC_PREVIEW_CURVATURE;
+    with_legend.legend = kind == PC_PREVIEW_CURVATURE || kind == PC_PREVIEW_ERROR;
     pc_status status = pc_picture_make(&picture, ctx, mesh->position, mesh->vertex_count, &with_legend);
     if (status != PC_OK) return status;
-    PC_TRY(draw(&picture, ctx, held, kind));
-    PC_TRY(pc_png_save(ctx, path, &picture));
+    PC_TRY(draw(&picture, ctx, held, kind, album));
+    PC_TRY(pc_picture_pixels(&pixels, ctx, &picture));
+    PC_TRY(pc_png_write(ctx, path, pixels, picture.width, picture.height));
+    if (album) PC_TRY(keep_page(&album->page[kind], ctx, pixels, &picture, kind));
 done:
+    pc_free(ctx, pixels);
     pc_picture_free(&picture, ctx);
     return status;
 }
 
-pc_status pc_preview_write(pc_run *run, pc_preview_kind kind) {
+pc_status pc_preview_write(pc_run *run, pc_preview_kind kind, pc_album *album) {
     const pc_picture_options options = PC_PICTURE_DEFAULTS;
     char *path;
     pc_status status = pc_folder_join(&path, run->ctx, run->out, pc_preview_name(kind), ".png");
-    if (status == PC_OK) status = pc_preview_save(run->ctx, path, &run->product, kind, &options);
+    if (status == PC_OK) status = pc_preview_save(run->ctx, path, &run->product, kind, &options, album);
     pc_free(run->ctx, path);
     return status;
 }

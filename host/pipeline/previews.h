@@ -2,6 +2,7 @@
 #ifndef PC_PREVIEWS_H
 #define PC_PREVIEWS_H
 
+#include "errors.h"
 #include "picture.h"
 #include "stage.h"
 
@@ -12,18 +13,39 @@ typedef enum pc_preview_kind {
     PC_PREVIEW_ISOLINES,
     PC_PREVIEW_LAYOUT,
     PC_PREVIEW_QUADS,
+    PC_PREVIEW_SURFACE,
+    PC_PREVIEW_ZEBRA,
+    PC_PREVIEW_ERROR,
     PC_PREVIEW_COUNT
 } pc_preview_kind;
+
+/* A picture, smaller, as a PNG file in memory. */
+typedef struct pc_album_page {
+    uint8_t *png; /* NULL: there is none */
+    size_t size;
+    int width, height;
+} pc_album_page;
+
+/* What the pictures of a run leave for its report. */
+typedef struct pc_album {
+    pc_album_page page[PC_PREVIEW_COUNT];
+    bool has_errors;
+    pc_errors errors; /* of the spline, without `distance` */
+} pc_album;
+
+void pc_album_free(pc_album *album, pc_context *ctx);
+/* Fills the errors of the album where no picture did; the spline and the mesh are held. PC_E_NOMEM. */
+pc_status pc_album_measure(pc_album *album, pc_context *ctx, const pc_held *held);
 
 /* "scan", "curvature", ...: also the names of the files. */
 const char *pc_preview_name(pc_preview_kind kind);
 /* The stage whose product it shows, on the mesh. */
 pc_stage_id pc_preview_stage(pc_preview_kind kind);
-/* Draws what is held. `legend` of the options is set here. PC_E_IO where `path` is there and `force` is not
- * set. */
+/* Draws what is held. `legend` of the options is set here. A file that is there is replaced. `album` (or
+ * NULL) gets what the report shows of it. */
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options);
-/* Into out/<name>.png, in the default size. */
-pc_status pc_preview_write(pc_run *run, pc_preview_kind kind);
+                          const pc_picture_options *options, pc_album *album);
+/* Into out/<name>.png, in the default size, and into the album. */
+pc_status pc_preview_write(pc_run *run, pc_preview_kind kind, pc_album *album);
 
 #endif

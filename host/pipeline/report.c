@@ -88,6 +88,7 @@ void pc_report_put_statistics(pc_json *json, const char *key, const pc_findings 
     pc_json_object(json, key);
     if (findings->has_distortion) put_distortion(json, &findings->distortion);
     if (findings->has_quality) put_quality(json, &findings->quality);
+    if (findings->has_spline) pc_spline_findings_put(json, &findings->spline);
     pc_json_close(json);
 }
 
@@ -118,6 +119,11 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
         pc_json_number(json, "edge_length", options->edge_length);
     else if (options->edge_factor > 0)
         pc_json_number(json, "edge_factor", options->edge_factor);
+    if (options->tolerance > 0) {
+        pc_json_exact(json, "tolerance", options->tolerance);
+        pc_json_boolean(json, "tolerance_relative", options->tolerance_relative);
+        pc_json_integer(json, "max_control_points", options->max_control_points);
+    }
     pc_json_string(json, "ngons", options->keep_ngons ? "keep" : "split");
     pc_json_string(json, "device", options->device ? options->device : "default");
     pc_json_boolean(json, "curl_correction", options->curl_correction);

@@ -4,14 +4,16 @@
 
 #include "certificate.h"
 #include "distortion.h"
+#include "spline_files.h"
 #include "stage.h"
 
 /* What is known of the result; parts that were not reached are absent. */
 typedef struct pc_findings {
-    bool has_distortion, has_quality;
+    bool has_distortion, has_quality, has_spline;
     pc_distortion distortion;
     pc_quality quality;
     pc_certificate certificate;
+    pc_spline_findings spline;
 } pc_findings;
 
 /* The figures without times: the same for the same result. Compact where they go into a file as one text. */

@@ -2,6 +2,7 @@
 #include "folder.h"
 #include "memory.h"
 #include "scan.h"
+#include "spline_store.h"
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -75,6 +76,15 @@ done:
     return status;
 }
 
+static pc_status load_spline(pc_held_spline *spline, pc_store *store) {
+    pc_status status = PC_OK;
+    PC_TRY(pc_tspline_load(&spline->surface, store, "spline"));
+    PC_TRY(pc_store_get_real(&spline->tolerance, store, "spline", "tolerance"));
+    PC_TRY(pc_store_get_real(&spline->stats.accuracy.max, store, "spline", "error"));
+done:
+    return status;
+}
+
 static pc_status load_product(pc_held *held, pc_store *store, pc_preview_kind kind) {
     switch (kind) {
     case PC_PREVIEW_CURVATURE:
@@ -87,6 +97,10 @@ static pc_status load_product(pc_held *held, pc_store *store, pc_preview_kind ki
         return pc_layout_load(&held->layout, store, "layout");
     case PC_PREVIEW_QUADS:
         return pc_polymesh_load(&held->quads, store, "quads");
+    case PC_PREVIEW_SURFACE:
+    case PC_PREVIEW_ZEBRA:
+    case PC_PREVIEW_ERROR:
+        return load_spline(&held->spline, store);
     case PC_PREVIEW_SCAN:
     case PC_PREVIEW_COUNT:
         break;
@@ -111,7 +125,7 @@ static pc_status load_result(pc_held *held, int *what, pc_context *ctx, const ch
     const bool any = *what < 0;
     bool found = false;
     pc_status status = load_mesh(held, ctx, path);
-    for (int kind = any ? PC_PREVIEW_QUADS : *what; status == PC_OK && !found && kind >= 0; kind--) {
+    for (int kind = any ? PC_PREVIEW_SURFACE : *what; status == PC_OK && !found && kind >= 0; kind--) {
         status = try_product(&found, held, ctx, path, (pc_preview_kind)kind);
         *what = kind;
         if (!any) break;
@@ -139,7 +153,7 @@ pc_status pc_render(pc_context *ctx, const char *from, const char *picture, int 
         PC_TRY(load_result(&held, &what, ctx, from));
     else
         PC_TRY(load_scan(&held, &what, ctx, from));
-    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options));
+    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options, NULL));
 done:
     pc_mesh_free(&held.mesh.mesh, ctx);
     pc_curvature_free(&held.curvature, ctx);
@@ -147,5 +161,6 @@ done:
     pc_param_free(&held.param, ctx);
     pc_layout_free(&held.layout, ctx);
     pc_polymesh_free(&held.quads, ctx);
+    pc_tspline_free(&held.spline.surface, ctx);
     return status;
 }

@@ -14,6 +14,7 @@ typedef enum pc_stage_id {
     PC_STAGE_PARAM,
     PC_STAGE_LAYOUT,
     PC_STAGE_QUADS,
+    PC_STAGE_SPLINE,
     PC_STAGE_EXPORT,
     PC_STAGE_COUNT
 } pc_stage_id;
@@ -42,6 +43,17 @@ typedef void pc_stage_sink(void *user, const pc_stage_event *event);
  * fewer than these many of them (or half as many as triangles, on small scans) they are shorter. */
 #define PC_DEFAULT_EDGE_FACTOR 10.0
 #define PC_DEFAULT_LEAST_QUADS 4000.0
+/* The same where a spline refines them afterwards. */
+#define PC_SPLINE_LEAST_QUADS 1500.0
+
+/* Files of the spline beside surface.step. */
+typedef enum pc_spline_format {
+    PC_SPLINE_IGES,
+    PC_SPLINE_IGA,
+    PC_SPLINE_BEXT,
+    PC_SPLINE_GISMO,
+    PC_SPLINE_FORMATS
+} pc_spline_format;
 
 typedef struct pc_convert_options {
     uint64_t quads;     /* how many are wanted; 0: by length */
@@ -50,15 +62,19 @@ typedef struct pc_convert_options {
     int keep_ngons;     /* 1: cells that are not quads stay whole; 0: they are split into quads */
     const char *device; /* NULL: the default */
     bool curl_correction;
-    pc_stage_id last;       /* stages after it are left out, export excepted */
-    bool resume;            /* takes finished stages whose key fits */
-    bool force;             /* overwrites the outputs of an earlier run */
-    bool strict;            /* refuses what repair would have to cut */
-    pc_index min_component; /* components of fewer faces are dropped */
-    double smoothness;      /* rho of the field, 0..1; below 0: the field's default */
-    int align_borders;      /* pc_align_borders */
-    int pgp;                /* pc_pgp_scheme */
-    pc_index parts;         /* 0: by memory */
+    pc_stage_id last;            /* stages after it are left out, export excepted */
+    double tolerance;            /* of the spline: largest distance to the scan; 0: no spline */
+    bool tolerance_relative;     /* the tolerance is a part of the diagonal of the scan's box, not a length */
+    pc_index max_control_points; /* of the spline; 0: as many as the scan has vertices */
+    unsigned spline_formats;     /* bit 1 << pc_spline_format: that file too */
+    bool resume;                 /* takes finished stages whose key fits */
+    bool force;                  /* overwrites the outputs of an earlier run */
+    bool strict;                 /* refuses what repair would have to cut */
+    pc_index min_component;      /* components of fewer faces are dropped */
+    double smoothness;           /* rho of the field, 0..1; below 0: the field's default */
+    int align_borders;           /* pc_align_borders */
+    int pgp;                     /* pc_pgp_scheme */
+    pc_index parts;              /* 0: by memory */
     uint64_t seed;
     bool compress; /* the HDF5 files */
     bool pictures;
@@ -94,6 +110,8 @@ pc_status pc_convert_estimate(pc_convert_plan *plan, pc_context *ctx, const char
 
 /* "scan", "mesh", ... */
 const char *pc_stage_title(pc_stage_id stage);
+/* "iges", "iga", ... */
+const char *pc_spline_format_name(pc_spline_format format);
 /* PC_STAGE_COUNT where no stage has this name. */
 pc_stage_id pc_stage_find(const char *name);
 

@@ -13,7 +13,7 @@ const pc_stage *const pc_stages[PC_STAGE_EXPORT] = {
     [PC_STAGE_PARTS] = &pc_stage_parts, [PC_STAGE_CURVATURE] = &pc_stage_curvature,
     [PC_STAGE_FIELD] = &pc_stage_field, [PC_STAGE_CURL] = &pc_stage_curl,
     [PC_STAGE_PARAM] = &pc_stage_param, [PC_STAGE_LAYOUT] = &pc_stage_layout,
-    [PC_STAGE_QUADS] = &pc_stage_quads,
+    [PC_STAGE_QUADS] = &pc_stage_quads, [PC_STAGE_SPLINE] = &pc_stage_spline,
 };
 
 const char *pc_stage_title(pc_stage_id stage) {

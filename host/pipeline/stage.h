@@ -63,7 +63,7 @@ typedef struct pc_stage {
 /* In the order in which they run. Export has no row, it is the run's end. */
 extern const pc_stage *const pc_stages[PC_STAGE_EXPORT];
 extern const pc_stage pc_stage_scan, pc_stage_mesh, pc_stage_parts, pc_stage_curvature, pc_stage_field,
-    pc_stage_curl, pc_stage_param, pc_stage_layout, pc_stage_quads;
+    pc_stage_curl, pc_stage_param, pc_stage_layout, pc_stage_quads, pc_stage_spline;
 
 /* Asked for by the options, and not after the last stage. */
 bool pc_stage_wanted(pc_stage_id stage, const pc_convert_options *options);

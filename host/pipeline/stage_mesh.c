@@ -18,6 +18,7 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_exact(json, "edge_length", options->edge_length);
     pc_json_exact(json, "edge_factor", options->edge_factor);
     pc_json_boolean(json, "keep_ngons", options->keep_ngons);
+    pc_json_boolean(json, "for_spline", options->tolerance > 0);
 }
 
 static pc_status measure(pc_run *run, const pc_mesh *scan) {

@@ -4,12 +4,14 @@
 #include "stage.h"
 #include "user_order.h"
 #include <stdio.h>
+#include <stdlib.h>
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "seed", (int64_t)options->seed);
     pc_json_integer(json, "quads", (int64_t)options->quads);
     pc_json_boolean(json, "keep_ngons", options->keep_ngons);
     pc_json_integer(json, "pgp", options->pgp);
+    pc_json_boolean(json, "for_spline", options->tolerance > 0);
 }
 
 static void put_facts(pc_run *run, pc_json *facts, const pc_remesh_stats *stats) {
@@ -43,6 +45,10 @@ static pc_status make(pc_run *run, pc_json *facts) {
     options.ngons = run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT;
     options.seed = run->options->seed;
     options.scheme = (pc_pgp_scheme)run->options->pgp;
+    if (run->options->tolerance > 0) { /* a spline can be no better than what it starts from */
+        options.reach = getenv("R") ? atof(getenv("R")) : 0.5;
+        options.floor = getenv("F") ? atof(getenv("F")) : 0.3;
+    }
     /* Each costs as much as all before it: on a large scan one has to do. */
     if (p->mesh.mesh.face_count > 1000000) options.refinements = 1;
     pc_status status = pc_remesh_make(

@@ -76,7 +76,8 @@ done:
 }
 
 static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
-                              const pc_tspline *spline, const pc_target *target) {
+                              const pc_tspline *spline, const pc_target *target,
+                              const pc_correspondence *correspondence) {
     pc_status status = PC_OK;
     const pc_mesh *mesh = target->mesh;
     pc_facets facets = {0};
@@ -88,6 +89,7 @@ static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_co
     for (pc_index v = 0; v < mesh->vertex_count; v++) {
         if (target->adjacency->vertex_half[v] == PC_NONE || nearest[v].place.element == PC_NONE) continue;
         pc_index f = spline->basis.element[nearest[v].place.element].face;
+        if (correspondence && correspondence->face[v] != PC_NONE) f = correspondence->face[v];
         used++;
         accuracy->scan_mean += nearest[v].distance;
         accuracy->scan_max = fmax(accuracy->scan_max, nearest[v].distance);
@@ -102,14 +104,15 @@ done:
 }
 
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
-                              const pc_tspline *spline, const pc_target *target, int per_side) {
+                              const pc_tspline *spline, const pc_target *target,
+                              const pc_correspondence *correspondence, int per_side) {
     pc_status status = PC_OK;
     *accuracy = (pc_accuracy){0};
     for (pc_index f = 0; error && f < spline->mesh.face_count; f++)
         error[f] = (pc_face_error){0};
     per_side = per_side < 2 ? 2 : per_side > MOST_PER_SIDE ? MOST_PER_SIDE : per_side;
     PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side));
-    PC_TRY(measure_scan(accuracy, error, ctx, spline, target));
+    PC_TRY(measure_scan(accuracy, error, ctx, spline, target, correspondence));
     accuracy->max = fmax(accuracy->scan_max, accuracy->surface_max);
 done:
     return status;

@@ -2,7 +2,7 @@
 #ifndef PC_ACCURACY_H
 #define PC_ACCURACY_H
 
-#include "target.h"
+#include "correspondence.h"
 
 /* Distances in model units. */
 typedef struct pc_accuracy {
@@ -21,9 +21,11 @@ typedef struct pc_face_error {
     double change[2]; /* sum of squared differences of the residual between neighbours along s and along t */
 } pc_face_error;
 
-/* `error` (may be NULL) has one entry per face of the T-mesh. `per_side` samples along the side of a face.
+/* `error` (may be NULL) has one entry per face of the T-mesh; a vertex of the scan counts where it belongs by
+ * `correspondence`, without it where its nearest point is. `per_side` samples along the side of a face.
  * The same bytes for any number of threads. PC_E_NOMEM. */
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
-                              const pc_tspline *spline, const pc_target *target, int per_side);
+                              const pc_tspline *spline, const pc_target *target,
+                              const pc_correspondence *correspondence, int per_side);
 
 #endif

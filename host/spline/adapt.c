@@ -45,25 +45,27 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
     pc_status status = PC_OK;
     pc_fit_options fit = options->fit;
     pc_face_error *error = NULL;
+    pc_correspondence correspondence = {0};
     uint8_t *wish = NULL;
     double least = INFINITY;
     int vain = 0;
     *stats = (pc_adapt_stats){.first_points = spline->mesh.vertex_count};
-    fit.flat = true;
+    PC_TRY(pc_correspondence_make(&correspondence, ctx, spline, target, true));
     for (stats->rounds = 0;; stats->rounds++) {
         pc_closure_stats closed;
         double limit;
-        PC_TRY(pc_fit(spline, &stats->fit, ctx, device, target, &fit));
-        fit.flat = false;
+        PC_TRY(pc_fit(spline, &stats->fit, ctx, device, target, &correspondence, &fit));
         PC_TRY(pc_new(&error, ctx, spline->mesh.face_count));
-        PC_TRY(pc_accuracy_measure(&stats->accuracy, error, ctx, spline, target, options->per_side));
+        PC_TRY(pc_correspondence_follow(&correspondence, ctx, spline, target));
+        PC_TRY(pc_accuracy_measure(&stats->accuracy, error, ctx, spline, target, &correspondence,
+                                   options->per_side));
         if (stats->rounds == 0) stats->first_max = stats->accuracy.max;
         pc_log(ctx, PC_LOG_DEBUG,
                "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
-               "%zu samples, %zu refused, %zu flipped",
+               "%zu samples, %zu refused, %u triangles torn",
                spline->mesh.vertex_count, stats->junctions, stats->accuracy.scan_max,
                stats->accuracy.surface_max, stats->accuracy.scan_mean, stats->fit.samples, stats->fit.refused,
-               stats->fit.flipped);
+               correspondence.torn_triangles);
         if (stats->accuracy.max <= options->tolerance || stats->rounds == options->max_rounds) break;
         vain = stats->accuracy.max < least ? 0 : vain + 1;
         least = fmin(least, stats->accuracy.max);
@@ -74,6 +76,7 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
         if (!choose(wish, spline, error, limit, options->anisotropy)) break;
         PC_TRY(pc_insertion_refine(spline, &closed, ctx, wish));
         stats->junctions = closed.junctions;
+        PC_TRY(pc_correspondence_carry(&correspondence, ctx, &spline->mesh));
         pc_free(ctx, error), error = NULL;
         pc_free(ctx, wish), wish = NULL;
     }
@@ -81,6 +84,7 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
         status = pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
                          spline->mesh.vertex_count, stats->accuracy.max, options->tolerance);
 done:
+    pc_correspondence_free(&correspondence, ctx);
     pc_free(ctx, error);
     pc_free(ctx, wish);
     return status;

@@ -39,22 +39,22 @@ static double rms_of(const pc_tspline *spline, const pc_samples *samples) {
 }
 
 pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
-                 const pc_target *target, const pc_fit_options *options) {
+                 const pc_target *target, pc_correspondence *correspondence, const pc_fit_options *options) {
     pc_status status = PC_OK;
     pc_samples samples = {0};
     pc_system system = {0};
     double *right = NULL;
     *stats = (pc_fit_stats){0};
     for (int round = 0; round < options->rounds; round++) {
-        pc_samples_options sampling = {options->flat && round == 0, options->per_side};
         PC_TRY(pc_check_interrupt(ctx));
-        PC_TRY(pc_samples_make(&samples, ctx, spline, target, &sampling));
+        if (round > 0) PC_TRY(pc_correspondence_follow(correspondence, ctx, spline, target));
+        PC_TRY(pc_samples_make(&samples, ctx, spline, target, correspondence, options->per_side));
         PC_TRY(pc_energy_assemble(&system, &right, ctx, spline, samples.sample, samples.count,
                                   options->fairness, samples.stiffness));
         stats->rms = rms_of(spline, &samples);
         stats->samples = samples.count;
         stats->refused = samples.refused;
-        stats->flipped = samples.flipped;
+        stats->torn = correspondence->torn_triangles;
         PC_TRY(solve(spline, stats, ctx, device, &system, right, options->tolerance));
         pc_tspline_update(spline);
         pc_samples_free(&samples, ctx);

@@ -1,7 +1,10 @@
 #!/usr/bin/env bash
-# Installs into an empty folder and builds a C and a C++ program against what is there.
+# Installs into an empty folder and builds a C and a C++ program against what is there, and the example of the docs, with
+# CMake and with pkg-config; that one is run.
 set -euo pipefail
 build=$1
+here=$(cd "$(dirname "$0")" && pwd)
+docs=$here/../../docs
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cmake --install "$build" --prefix "$folder/usr" >/dev/null
@@ -14,7 +17,11 @@ foreach(language c cpp)
   add_executable(user_${language} user.${language})
   target_link_libraries(user_${language} PRIVATE percale::percale)
 endforeach()
+add_executable(example example_spline.c)
+target_link_libraries(example PRIVATE percale::percale)
 END
+cp "$docs/example_spline.c" .
+diff <(sed -n '/^```c$/,/^```$/p' "$docs/library.md" | sed '1d;$d') example_spline.c
 cat >user.c <<'END'
 #include <percale/percale.h>
 int main(void) {
@@ -35,3 +42,17 @@ cmake -S . -B build -DCMAKE_PREFIX_PATH="$folder/usr" -DCMAKE_BUILD_TYPE=Debug >
 cmake --build build
 [[ $(build/user_c) == $("$folder/usr/bin/percale" --version | cut -d ' ' -f 2) ]]
 [[ $(build/user_cpp) == $(build/user_c) ]]
+
+awk -v n=48 -v m=24 -f "$here/../cli/torus.awk" >torus.obj
+build/example torus.obj out >seen
+printf '0 0.5 0.5\n' | "$folder/usr/bin/percale" eval out --at - | tail -1 |
+    awk -F, '{ printf "point   %.6f %.6f %.6f\nnormal  %.6f %.6f %.6f\nnearest %.6f %.6f %.6f, %.6f away\n",
+                      $4, $5, $6, $7, $8, $9, $4, $5, $6, 0.01 }' >expected
+diff expected seen
+
+command -v pkg-config >/dev/null || exit 0
+export PKG_CONFIG_PATH; PKG_CONFIG_PATH=$(dirname "$(find "$folder/usr" -name percale.pc)")
+[[ $(pkg-config --modversion percale) == $(build/user_c) ]]
+# shellcheck disable=SC2046
+cc example_spline.c $(pkg-config --cflags --libs percale) -o example_pc
+./example_pc torus.obj out | diff seen -

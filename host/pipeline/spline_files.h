@@ -1,0 +1,28 @@
+/* What a run tells of its spline, and the files that hold it for others. */
+#ifndef PC_SPLINE_FILES_H
+#define PC_SPLINE_FILES_H
+
+#include "certificate.h"
+#include "continuity.h"
+#include "shell.h"
+#include "stage.h"
+
+typedef struct pc_spline_findings {
+    const pc_held_spline *held; /* borrowed */
+    pc_shell shell;
+    pc_jump jump[PC_JOINT_COUNT];
+} pc_spline_findings;
+
+/* Of the spline that the run holds. PC_E_NOMEM, PC_E_BUG where the shell is not one. */
+pc_status pc_spline_findings_make(pc_spline_findings *findings, pc_run *run);
+void pc_spline_findings_free(pc_spline_findings *findings, pc_context *ctx);
+/* Member "spline" of the report's statistics. */
+void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings);
+/* Checks "spline tolerance" and "spline basis". */
+void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline);
+
+/* surface.step, cage.obj (control mesh for modelling programs), surface.hdf (triangles, with the distance to
+ * the scan), and the further formats that the options ask for. PC_E_IO. */
+pc_status pc_spline_files_write(pc_run *run, const pc_spline_findings *findings);
+
+#endif

@@ -1,0 +1,309 @@
+#include "correspondence.h"
+#include "memory.h"
+#include <string.h>
+
+typedef struct following {
+    pc_correspondence *c;
+    const pc_tspline *spline;
+    const pc_mesh *mesh;
+    const pc_adjacency *adjacency;
+    double *image;   /* 3 per vertex: its place as a point */
+    double *normal;  /* 3 per vertex: of the surface there, unit length */
+    pc_index *loose; /* vertices that spread out */
+    pc_index loose_count;
+    uint8_t *is_loose;
+    pc_surface_place *next; /* per loose vertex */
+} following;
+
+pc_surface_place pc_correspondence_place(const pc_correspondence *c, const pc_tspline *spline, pc_index v) {
+    if (c->face[v] == PC_NONE) return (pc_surface_place){PC_NONE, 0, 0};
+    return pc_tspline_place(spline, c->face[v], c->at[2 * (size_t)v], c->at[2 * (size_t)v + 1]);
+}
+
+static void put_place(following *f, pc_index v, pc_surface_place place) {
+    f->c->face[v] = f->spline->basis.element[place.element].face;
+    f->c->at[2 * (size_t)v] = place.s;
+    f->c->at[2 * (size_t)v + 1] = place.t;
+    pc_surface_point x = pc_tspline_evaluate(f->spline, place);
+    pc_vec3_put(f->image, v, x.p);
+    pc_vec3_put(f->normal, v, pc_unit(pc_cross(x.s, x.t)));
+}
+
+/* Towards the nearest point, by short ways only. */
+static void approach(following *f) {
+#pragma omp parallel for schedule(dynamic, 64)
+    for (pc_index v = 0; v < f->c->count; v++) {
+        pc_surface_place place = pc_correspondence_place(f->c, f->spline, v);
+        if (place.element == PC_NONE) continue;
+        put_place(f, v, pc_nearest_from(f->spline, place, pc_vec3_at(f->mesh->position, v)).place);
+    }
+}
+
+/* The image of triangle t is upside down, or its longest side is out of proportion. */
+static bool is_torn(const following *f, pc_index t) {
+    const double most_stretch = 6;
+    const pc_index *v = f->mesh->triangle + 3 * (size_t)t;
+    if (f->c->face[v[0]] == PC_NONE || f->c->face[v[1]] == PC_NONE || f->c->face[v[2]] == PC_NONE)
+        return false;
+    pc_vec3 x[3], q[3], n = {0, 0, 0};
+    double longest = 0, image = 0;
+    for (int k = 0; k < 3; k++) {
+        x[k] = pc_vec3_at(f->mesh->position, v[k]);
+        q[k] = pc_vec3_at(f->image, v[k]);
+        n = pc_add(n, pc_vec3_at(f->normal, v[k]));
+    }
+    for (int k = 0; k < 3; k++) {
+        longest = fmax(longest, pc_distance(x[k], x[(k + 1) % 3]));
+        image = fmax(image, pc_distance(q[k], q[(k + 1) % 3]));
+    }
+    pc_vec3 area = pc_cross(pc_sub(q[1], q[0]), pc_sub(q[2], q[0]));
+    return pc_dot(area, n) < -1e-6 * image * image || image > most_stretch * longest;
+}
+
+/* Marks the corners of torn triangles; counts these. */
+static pc_index find_torn(following *f) {
+    pc_index count = 0;
+    memset(f->c->torn, 0, f->c->count);
+    for (pc_index t = 0; t < f->mesh->face_count; t++) {
+        if (!is_torn(f, t)) continue;
+        count++;
+        for (int k = 0; k < 3; k++)
+            f->c->torn[f->mesh->triangle[3 * (size_t)t + (size_t)k]] = 1;
+    }
+    return count;
+}
+
+static void loosen(following *f, pc_index v) {
+    if (f->is_loose[v] || f->c->face[v] == PC_NONE || f->adjacency->vertex_boundary[v]) return;
+    f->is_loose[v] = 1;
+    f->loose[f->loose_count++] = v;
+}
+
+/* Torn vertices and what is up to `rings` edges away. */
+static void gather_loose(following *f, int rings) {
+    f->loose_count = 0;
+    memset(f->is_loose, 0, f->c->count);
+    for (pc_index v = 0; v < f->c->count; v++)
+        if (f->c->torn[v]) loosen(f, v);
+    for (pc_index from = 0; rings > 0; rings--) {
+        for (pc_index end = f->loose_count; from < end; from++) {
+            pc_index first = f->adjacency->vertex_half[f->loose[from]], h = first;
+            do {
+                loosen(f, f->mesh->triangle[pc_next(h)]);
+                h = pc_turn_ccw(f->adjacency, h);
+            } while (h != first && h != PC_NONE);
+        }
+    }
+}
+
+/* The mean of the images around v, nearer neighbours on the scan weighing more. */
+static pc_vec3 mean_around(const following *f, const double *image, pc_index v) {
+    pc_vec3 sum = {0, 0, 0}, x = pc_vec3_at(f->mesh->position, v);
+    double total = 0;
+    pc_index first = f->adjacency->vertex_half[v], h = first;
+    do {
+        pc_index w = f->mesh->triangle[pc_next(h)];
+        double length = pc_distance(x, pc_vec3_at(f->mesh->position, w));
+        double weight = 1 / fmax(length, 1e-300);
+        sum = pc_madd(sum, weight, pc_vec3_at(image, w));
+        total += weight;
+        h = pc_turn_ccw(f->adjacency, h);
+    } while (h != first && h != PC_NONE);
+    return pc_scale(1 / total, sum);
+}
+
+/* Loose images sink to the means of those around them, as a membrane through the others; it need not lie on
+ * the surface. */
+static void stretch_membrane(following *f) {
+    enum { SWEEPS = 200 };
+    const double beyond = 1.6;
+    for (int sweep = 0; sweep < SWEEPS; sweep++)
+        for (pc_index i = 0; i < f->loose_count; i++) {
+            pc_index v = f->loose[sweep % 2 ? f->loose_count - 1 - i : i];
+            pc_vec3 q = pc_vec3_at(f->image, v);
+            pc_vec3_put(f->image, v, pc_madd(q, beyond, pc_sub(mean_around(f, f->image, v), q)));
+        }
+}
+
+/* From the fixed ones inwards, each loose vertex walks from the place of a neighbour to the point of the
+ * surface nearest to the membrane. */
+static void lay_membrane(following *f) {
+    pc_index laid = 0;
+    uint8_t *waits = f->is_loose; /* 1: waits, 2: laid */
+    for (bool more = true; more;) {
+        more = false;
+        for (pc_index i = 0; i < f->loose_count; i++) {
+            pc_index v = f->loose[i], first = f->adjacency->vertex_half[v], h = first, from = PC_NONE;
+            if (waits[v] != 1) continue;
+            do {
+                pc_index w = f->mesh->triangle[pc_next(h)];
+                if (waits[w] != 1 && f->c->face[w] != PC_NONE) from = w;
+                h = pc_turn_ccw(f->adjacency, h);
+            } while (from == PC_NONE && h != first && h != PC_NONE);
+            if (from == PC_NONE) continue;
+            pc_surface_place place = pc_correspondence_place(f->c, f->spline, from);
+            put_place(f, v, pc_nearest_from(f->spline, place, pc_vec3_at(f->image, v)).place);
+            waits[v] = 2;
+            laid++;
+            more = true;
+        }
+    }
+    for (pc_index i = 0; i < f->loose_count; i++)
+        waits[f->loose[i]] = 1;
+}
+
+/* Places move to the point nearest to the mean of those around them. */
+static void spread(following *f, int sweeps) {
+    for (int sweep = 0; sweep < sweeps; sweep++) {
+#pragma omp parallel for schedule(static)
+        for (pc_index i = 0; i < f->loose_count; i++) {
+            pc_index v = f->loose[i];
+            f->next[i] = pc_nearest_from(f->spline, pc_correspondence_place(f->c, f->spline, v),
+                                         mean_around(f, f->image, v))
+                             .place;
+        }
+#pragma omp parallel for schedule(static)
+        for (pc_index i = 0; i < f->loose_count; i++)
+            put_place(f, f->loose[i], f->next[i]);
+    }
+}
+
+/* Vertices on the wrong sheet: the surface faces the other way there. */
+static void mark_opposed(following *f, const double *normal) {
+    for (pc_index v = 0; v < f->c->count; v++)
+        if (f->c->face[v] != PC_NONE && pc_dot(pc_vec3_at(f->normal, v), pc_vec3_at(normal, v)) < 0)
+            f->c->torn[v] = 1;
+}
+
+/* Torn regions, ever larger ones, are laid anew between what is around them; with `normal` of the scan what
+ * is on the wrong sheet too. */
+static void mend(following *f, const double *normal) {
+    enum { TRIES = 6, SWEEPS = 12 };
+    for (int attempt = 0;; attempt++) {
+        f->c->torn_triangles = find_torn(f);
+        if (attempt == TRIES || (!f->c->torn_triangles && (attempt || !normal))) break;
+        if (attempt == 0 && normal) mark_opposed(f, normal);
+        gather_loose(f, 2 + 2 * attempt);
+        if (normal) {
+            stretch_membrane(f);
+            lay_membrane(f);
+        }
+        spread(f, SWEEPS);
+    }
+}
+
+static pc_status follow(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
+                        const pc_target *target, const double *normal) {
+    pc_status status = PC_OK;
+    following f = {.c = c, .spline = spline, .mesh = target->mesh, .adjacency = target->adjacency};
+    PC_TRY(pc_new(&f.image, ctx, 3 * (size_t)c->count));
+    PC_TRY(pc_new(&f.normal, ctx, 3 * (size_t)c->count));
+    PC_TRY(pc_new(&f.loose, ctx, c->count));
+    PC_TRY(pc_new(&f.is_loose, ctx, c->count));
+    PC_TRY(pc_new(&f.next, ctx, c->count));
+    approach(&f);
+    mend(&f, normal);
+done:
+    pc_free(ctx, f.image);
+    pc_free(ctx, f.normal);
+    pc_free(ctx, f.loose);
+    pc_free(ctx, f.is_loose);
+    pc_free(ctx, f.next);
+    return status;
+}
+
+pc_status pc_correspondence_follow(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
+                                   const pc_target *target) {
+    return follow(c, ctx, spline, target, NULL);
+}
+
+/* The nearest points, and the vertices whose normals say that they are on the wrong side. */
+static void find_nearest(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
+                         const pc_facets *facets) {
+    enum { CHUNK = 128 };
+    pc_index chunks = (c->count + CHUNK - 1) / CHUNK;
+#pragma omp parallel for schedule(dynamic, 4)
+    for (pc_index i = 0; i < chunks; i++) {
+        pc_index hint = PC_NONE;
+        for (pc_index v = i * CHUNK; v < (i + 1) * CHUNK && v < c->count; v++) {
+            c->face[v] = PC_NONE;
+            if (target->adjacency->vertex_half[v] == PC_NONE) continue;
+            pc_bvh_hit hit = pc_bvh_closest(&facets->tree, pc_vec3_at(target->mesh->position, v), hint);
+            hint = hit.face;
+            if (hit.face == PC_NONE) continue;
+            pc_surface_place place = pc_facets_place(facets, hit.face, hit.weight);
+            c->face[v] = spline->basis.element[place.element].face;
+            c->at[2 * (size_t)v] = place.s;
+            c->at[2 * (size_t)v + 1] = place.t;
+        }
+    }
+}
+
+pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
+                                 const pc_target *target, bool flat) {
+    enum { PER_SIDE = 4 };
+    pc_status status = PC_OK;
+    pc_facets facets = {0};
+    *c = (pc_correspondence){.count = target->mesh->vertex_count};
+    PC_TRY(pc_new(&c->face, ctx, c->count));
+    PC_TRY(pc_new(&c->at, ctx, 2 * (size_t)c->count));
+    PC_TRY(pc_new(&c->torn, ctx, c->count));
+    PC_TRY(pc_facets_make(&facets, ctx, spline, PER_SIDE, flat));
+    find_nearest(c, spline, target, &facets);
+    PC_TRY(follow(c, ctx, spline, target, target->normal));
+done:
+    pc_facets_free(&facets, ctx);
+    if (status != PC_OK) pc_correspondence_free(c, ctx);
+    return status;
+}
+
+void pc_correspondence_free(pc_correspondence *c, pc_context *ctx) {
+    pc_free(ctx, c->face);
+    pc_free(ctx, c->at);
+    pc_free(ctx, c->torn);
+    *c = (pc_correspondence){0};
+}
+
+/* The part of the old face that holds a point: the one it lies deepest in. */
+static pc_index find_part(const pc_tmesh *mesh, const pc_index *part, size_t count, const double at[2]) {
+    pc_index best = PC_NONE;
+    double least = INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        const pc_tface *face = mesh->face + part[i];
+        double outside = 0;
+        for (int k = 0; k < 2; k++)
+            outside += fmax(0, fmax(face->origin[k] - at[k], at[k] - face->origin[k] - face->size[k]));
+        if (outside < least) least = outside, best = part[i];
+    }
+    return best;
+}
+
+pc_status pc_correspondence_carry(pc_correspondence *c, pc_context *ctx, const pc_tmesh *refined) {
+    pc_status status = PC_OK;
+    pc_index roots = 0;
+    size_t *start = NULL;
+    pc_index *part = NULL;
+    for (pc_index f = 0; f < refined->face_count; f++)
+        if (refined->face[f].root >= roots) roots = refined->face[f].root + 1;
+    PC_TRY(pc_new(&start, ctx, (size_t)roots + 2));
+    PC_TRY(pc_new(&part, ctx, refined->face_count));
+    for (pc_index f = 0; f < refined->face_count; f++)
+        start[refined->face[f].root + 2]++;
+    for (size_t r = 0; r < roots; r++)
+        start[r + 2] += start[r + 1];
+    for (pc_index f = 0; f < refined->face_count; f++)
+        part[start[refined->face[f].root + 1]++] = f;
+    for (pc_index v = 0; v < c->count; v++) {
+        if (c->face[v] == PC_NONE) continue;
+        size_t first = start[c->face[v]];
+        double *at = c->at + 2 * (size_t)v;
+        pc_index f = find_part(refined, part + first, start[c->face[v] + 1] - first, at);
+        c->face[v] = f;
+        for (int k = 0; k < 2; k++)
+            at[k] -= refined->face[f].origin[k];
+    }
+done:
+    pc_free(ctx, start);
+    pc_free(ctx, part);
+    return status;
+}

@@ -1,0 +1,254 @@
+#include "samples.h"
+#include "memory.h"
+#include <math.h>
+
+typedef struct gathering {
+    const pc_tspline *spline;
+    const pc_target *target;
+    const pc_correspondence *correspondence;
+    int per_side;
+    double *image;  /* 3 per vertex of the scan: its place as a point */
+    size_t *start;  /* per triangle: its first sample in `raw` */
+    pc_sample *raw; /* of the scan's vertices, then of its triangles; element PC_NONE: refused */
+    size_t count;
+} gathering;
+
+static void sample_vertices(gathering *g) {
+    const pc_mesh *mesh = g->target->mesh;
+#pragma omp parallel for schedule(static)
+    for (pc_index v = 0; v < mesh->vertex_count; v++) {
+        pc_surface_place place = pc_correspondence_place(g->correspondence, g->spline, v);
+        pc_vec3 image = {0, 0, 0};
+        if (place.element != PC_NONE) image = pc_tspline_point(g->spline, place);
+        pc_vec3_put(g->image, v, image);
+        if (g->correspondence->torn[v]) place.element = PC_NONE;
+        g->raw[v] = (pc_sample){.place = place, .target = pc_vec3_at(mesh->position, v)};
+    }
+}
+
+/* The diagonal of the face around an element. */
+static double face_diagonal(const pc_tspline *spline, pc_index e) {
+    const pc_element *element = spline->basis.element + e;
+    const double *size = spline->mesh.face[element->face].size, *b = spline->bezier + 48 * (size_t)e;
+    double part =
+        fmax((element->high[0] - element->low[0]) / size[0], (element->high[1] - element->low[1]) / size[1]);
+    return fmax(pc_distance(pc_vec3_at(b, 0), pc_vec3_at(b, 15)),
+                pc_distance(pc_vec3_at(b, 3), pc_vec3_at(b, 12))) /
+           part;
+}
+
+/* Into how many parts each side of triangle t is cut, so that a face has about per_side samples along its
+ * sides; 0 where a corner is torn or has no place. */
+static size_t cuts_of(const gathering *g, pc_index t) {
+    enum { MOST = 12 };
+    const pc_index *v = g->target->mesh->triangle + 3 * (size_t)t;
+    double longest = 0, diagonal = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        if (g->raw[v[k]].place.element == PC_NONE) return 0;
+        diagonal = fmin(diagonal, face_diagonal(g->spline, g->raw[v[k]].place.element));
+        longest =
+            fmax(longest, pc_distance(pc_vec3_at(g->image, v[k]), pc_vec3_at(g->image, v[(k + 1) % 3])));
+    }
+    double cuts = ceil(longest * g->per_side / fmax(1.4 * diagonal, 1e-300));
+    return g->per_side ? (size_t)fmin(fmax(cuts, 1), MOST) : 0;
+}
+
+/* The place between those of three corners: on one face by interpolation, else what is nearest to the
+ * interpolated point of the surface. */
+static pc_surface_place place_between(const gathering *g, const pc_index v[3], const double weight[3]) {
+    const pc_correspondence *c = g->correspondence;
+    int most = weight[1] > weight[0] ? 1 : 0;
+    if (weight[2] > weight[most]) most = 2;
+    if (c->face[v[0]] == c->face[v[1]] && c->face[v[0]] == c->face[v[2]]) {
+        double at[2] = {0, 0};
+        for (size_t k = 0; k < 3; k++)
+            for (size_t d = 0; d < 2; d++)
+                at[d] += weight[k] * c->at[2 * (size_t)v[k] + d];
+        return pc_tspline_place(g->spline, c->face[v[0]], at[0], at[1]);
+    }
+    pc_vec3 image = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        image = pc_madd(image, weight[k], pc_vec3_at(g->image, v[k]));
+    return pc_nearest_from(g->spline, g->raw[v[most]].place, image).place;
+}
+
+/* The centres of its n x n parts. */
+static void sample_triangle(const gathering *g, pc_index t, size_t n, pc_sample *to) {
+    const pc_index *v = g->target->mesh->triangle + 3 * (size_t)t;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < 2 * (n - i) - 1; j++) {
+            double third = j % 2 ? 2.0 / 3 : 1.0 / 3;
+            double a = ((double)i + third) / (double)n,
+                   b = ((double)(j / 2) + third) / (double)n; /* NOLINT */
+            const double weight[3] = {1 - a - b, b, a};
+            to->target = (pc_vec3){0, 0, 0};
+            for (int k = 0; k < 3; k++)
+                to->target = pc_madd(to->target, weight[k], pc_vec3_at(g->target->mesh->position, v[k]));
+            to->place = place_between(g, v, weight);
+            to++;
+        }
+}
+
+static pc_status sample_triangles(gathering *g, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_mesh *mesh = g->target->mesh;
+    PC_TRY(pc_new(&g->start, ctx, (size_t)mesh->face_count + 1));
+#pragma omp parallel for schedule(static)
+    for (pc_index t = 0; t < mesh->face_count; t++) {
+        size_t n = cuts_of(g, t);
+        g->start[t + 1] = n * n;
+    }
+    g->start[0] = mesh->vertex_count;
+    for (pc_index t = 0; t < mesh->face_count; t++)
+        g->start[t + 1] += g->start[t];
+    g->count = g->start[mesh->face_count];
+    PC_TRY(pc_resize(&g->raw, ctx, g->count));
+#pragma omp parallel for schedule(dynamic, 256)
+    for (pc_index t = 0; t < mesh->face_count; t++) {
+        size_t n = cuts_of(g, t);
+        if (n) sample_triangle(g, t, n, g->raw + g->start[t]);
+    }
+done:
+    return status;
+}
+
+static int grid_of(const gathering *g, pc_index e) {
+    const pc_element *element = g->spline->basis.element + e;
+    const double *size = g->spline->mesh.face[element->face].size;
+    double part =
+        fmax((element->high[0] - element->low[0]) / size[0], (element->high[1] - element->low[1]) / size[1]);
+    return (int)ceil(part * g->per_side);
+}
+
+/* The triangle that was hit belongs near the place of the surface from which it was looked for, and faces the
+ * same way. */
+static bool belongs(const gathering *g, const pc_bvh_hit *hit, pc_surface_place place) {
+    const pc_index *t = g->target->mesh->triangle + 3 * (size_t)hit->face;
+    const double *bezier = g->spline->bezier + 48 * (size_t)place.element;
+    pc_vec3 image = {0, 0, 0}, normal = {0, 0, 0};
+    double spread = 0;
+    for (int k = 0; k < 3; k++) {
+        if (g->raw[t[k]].place.element == PC_NONE) return false;
+        image = pc_madd(image, hit->weight[k], pc_vec3_at(g->image, t[k]));
+        normal = pc_madd(normal, hit->weight[k], pc_vec3_at(g->target->normal, t[k]));
+    }
+    for (int k = 0; k < 3; k++)
+        spread = fmax(spread, pc_distance(image, pc_vec3_at(g->image, t[k])));
+    double size = fmax(pc_distance(pc_vec3_at(bezier, 0), pc_vec3_at(bezier, 15)),
+                       pc_distance(pc_vec3_at(bezier, 3), pc_vec3_at(bezier, 12)));
+    pc_surface_point x = pc_tspline_evaluate(g->spline, place);
+    return pc_distance(image, x.p) <= 2 * spread + 0.5 * size && pc_dot(pc_cross(x.s, x.t), normal) > 0;
+}
+
+/* A grid of points of the element and their nearest points of the scan. */
+static void sample_element(const gathering *g, pc_index e, pc_sample *to) {
+    const pc_element *element = g->spline->basis.element + e;
+    int n = grid_of(g, e);
+    pc_index hint = PC_NONE;
+    for (int i = 0; i < n * n; i++) {
+        double u = (i % n + 0.5) / n, v = (i / n + 0.5) / n; /* NOLINT(bugprone-integer-division) */
+        pc_surface_place place = {e, element->low[0] + u * (element->high[0] - element->low[0]),
+                                  element->low[1] + v * (element->high[1] - element->low[1])};
+        pc_bvh_hit hit = pc_bvh_closest(&g->target->tree, pc_tspline_point(g->spline, place), hint);
+        hint = hit.face;
+        to[i] = (pc_sample){.place.element = PC_NONE};
+        if (hit.face != PC_NONE && belongs(g, &hit, place))
+            to[i] = (pc_sample){.place = place, .target = hit.point};
+    }
+}
+
+static pc_status sample_elements(gathering *g, pc_context *ctx) {
+    pc_status status = PC_OK;
+    size_t *start = NULL;
+    pc_index elements = g->spline->basis.element_count;
+    PC_TRY(pc_new(&start, ctx, (size_t)elements + 1));
+    start[0] = g->count;
+    for (pc_index e = 0; e < elements; e++)
+        start[e + 1] = start[e] + (size_t)(grid_of(g, e) * grid_of(g, e));
+    g->count = start[elements];
+    PC_TRY(pc_resize(&g->raw, ctx, g->count));
+#pragma omp parallel for schedule(dynamic, 16)
+    for (pc_index e = 0; e < elements; e++)
+        sample_element(g, e, g->raw + start[e]);
+done:
+    pc_free(ctx, start);
+    return status;
+}
+
+static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_basis *basis = &g->spline->basis;
+    size_t *start = NULL;
+    PC_TRY(pc_new(&start, ctx, (size_t)basis->element_count + 2));
+    for (size_t i = 0; i < g->count; i++) {
+        if (g->raw[i].place.element == PC_NONE)
+            samples->refused++;
+        else
+            start[g->raw[i].place.element + 2]++;
+    }
+    for (size_t e = 0; e < basis->element_count; e++)
+        start[e + 2] += start[e + 1];
+    samples->count = g->count - samples->refused;
+    PC_TRY(pc_new(&samples->sample, ctx, samples->count));
+    for (size_t i = 0; i < g->count; i++)
+        if (g->raw[i].place.element != PC_NONE)
+            samples->sample[start[g->raw[i].place.element + 1]++] = g->raw[i];
+    for (pc_index e = 0; e < basis->element_count; e++) {
+        const pc_element *element = basis->element + e;
+        const double *size = g->spline->mesh.face[element->face].size;
+        double share =
+            (element->high[0] - element->low[0]) / size[0] * (element->high[1] - element->low[1]) / size[1];
+        for (size_t i = start[e]; i < start[e + 1]; i++)
+            samples->sample[i].weight = share / (double)(start[e + 1] - start[e]);
+    }
+done:
+    pc_free(ctx, start);
+    return status;
+}
+
+/* Where there are fewer samples than a quarter of what was meant, fairing has to keep the surface in shape.
+ */
+static pc_status stiffen(pc_samples *samples, const pc_tspline *spline, int per_side, pc_context *ctx) {
+    const double most = 1000;
+    const pc_basis *basis = &spline->basis;
+    pc_status status = pc_new(&samples->stiffness, ctx, basis->element_count);
+    if (status != PC_OK) return status;
+    for (size_t i = 0; i < samples->count; i++)
+        samples->stiffness[samples->sample[i].place.element]++;
+    for (pc_index e = 0; e < basis->element_count; e++) {
+        const pc_element *element = basis->element + e;
+        const double *size = spline->mesh.face[element->face].size;
+        double meant = (element->high[0] - element->low[0]) / size[0] * (element->high[1] - element->low[1]) /
+                       size[1] * per_side * per_side / 4;
+        double lack = fmax(0, 1 - samples->stiffness[e] / fmax(meant, 1));
+        samples->stiffness[e] = 1 + (most - 1) * lack;
+    }
+    return PC_OK;
+}
+
+pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
+                          const pc_target *target, const pc_correspondence *correspondence, int per_side) {
+    pc_status status = PC_OK;
+    gathering g = {
+        .spline = spline, .target = target, .correspondence = correspondence, .per_side = per_side};
+    *samples = (pc_samples){0};
+    PC_TRY(pc_new(&g.raw, ctx, target->mesh->vertex_count));
+    PC_TRY(pc_new(&g.image, ctx, 3 * (size_t)target->mesh->vertex_count));
+    sample_vertices(&g);
+    PC_TRY(sample_triangles(&g, ctx));
+    PC_TRY(sample_elements(&g, ctx));
+    PC_TRY(sort_samples(&g, samples, ctx));
+    PC_TRY(stiffen(samples, spline, per_side, ctx));
+done:
+    pc_free(ctx, g.raw);
+    pc_free(ctx, g.image);
+    pc_free(ctx, g.start);
+    if (status != PC_OK) pc_samples_free(samples, ctx);
+    return status;
+}
+
+void pc_samples_free(pc_samples *samples, pc_context *ctx) {
+    pc_free(ctx, samples->sample);
+    pc_free(ctx, samples->stiffness);
+    *samples = (pc_samples){0};
+}
