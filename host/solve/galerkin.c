@@ -115,7 +115,7 @@ static bool next_chunk(worker *w, pc_context *ctx, size_t size, pc_index i, pc_i
     w->status = base < PC_NONE - room
                     ? pc_resize(&block, ctx, sizeof(chunk) + room * (size + 1) * sizeof(float))
                     : pc_fail(ctx, PC_E_MESH, "a multigrid level is beyond 32-bit offsets");
-    if (w->status != PC_OK) return false;
+    if (!block) return false;
     chunk *c = (chunk *)(void *)block;
     *c = (chunk){.first = i, .room = room};
     c->key = (pc_index *)(void *)(block + sizeof *c);
