@@ -5,6 +5,7 @@
 #include "adapt.h"
 #include "clock.h"
 #include "continuity.h"
+#include "doublet.h"
 #include "memory.h"
 #include "products.h"
 #include "step.h"
@@ -21,6 +22,7 @@ typedef struct input {
 static pc_status load(input *in, pc_context *ctx, const char *folder) {
     pc_status status = PC_OK;
     pc_store *store = NULL;
+    pc_index removed;
     char path[4096];
     (void)snprintf(path, sizeof path, "%s/stages/mesh.h5", folder);
     PC_TRY(pc_store_open(&store, ctx, path));
@@ -29,6 +31,7 @@ static pc_status load(input *in, pc_context *ctx, const char *folder) {
     (void)snprintf(path, sizeof path, "%s/stages/quads.h5", folder);
     PC_TRY(pc_store_open(&store, ctx, path));
     PC_TRY(pc_polymesh_load(&in->quads, store, "quads"));
+    PC_TRY(pc_doublets_remove(&in->quads, &removed, ctx, true));
     PC_TRY(pc_adjacency_make(&in->adjacency, ctx, &in->mesh));
     PC_TRY(pc_target_make(&in->target, ctx, &in->mesh, &in->adjacency));
 done:

@@ -48,7 +48,7 @@ static frame combine(const frame *outer, const frame *inner) {
 }
 
 bool pc_chart_between(double way[2], const pc_tmesh *mesh, const pc_spot *a, const pc_spot *b) {
-    enum { MOST = 96 };
+    enum { MOST = 40 };
     frame known[MOST] = {{.face = a->face}};
     int count = 1, level = 1; /* the first of the last ring is where `level` stood before */
     double least = INFINITY;
