@@ -17,7 +17,7 @@ static const char about[] =
 /* What the options of the command line are read into. */
 typedef struct convert_line {
     pc_convert_options options;
-    const char *out, *last, *tolerance;
+    const char *out, *last, *tolerance, *formats;
     int ngons, borders, pgp;
     uint64_t min_component, max_control_points, parts, threads;
     bool json, quiet, verbose, no_pictures;
@@ -43,6 +43,8 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
                 "diagonal of its box, or 0.05 in its units"),
         PC_COUNT("max-control-points", &line->max_control_points, "N", 1, PC_NONE,
                  "of the T-spline (default: as many as the scan has vertices)"),
+        PC_TEXT("formats", 0, &line->formats, "LIST",
+                "further files of the T-spline beside surface.step: iges,iga,bext,gismo, or all"),
         PC_TEXT("output", 'o', &line->out, "OUT", "the folder for the results"),
         PC_CHOICE("ngons", &line->ngons, "split|keep",
                   "cells that are not quads: split into quads (default), or kept whole"),
@@ -112,6 +114,24 @@ static pc_status read_tolerance(pc_convert_options *options, pc_context *ctx, co
     return PC_OK;
 }
 
+/* "iges,iga": bits of pc_convert_options.spline_formats. */
+static pc_status read_formats(pc_convert_options *options, pc_context *ctx, const char *text) {
+    for (const char *word = text; *word; word += *word == ',') {
+        size_t length = strcspn(word, ",");
+        unsigned found = length == 3 && strncmp(word, "all", 3) == 0 ? (1U << PC_SPLINE_FORMATS) - 1 : 0;
+        for (int format = 0; format < PC_SPLINE_FORMATS; format++) {
+            const char *name = pc_spline_format_name((pc_spline_format)format);
+            if (strlen(name) == length && strncmp(word, name, length) == 0) found = 1U << format;
+        }
+        if (!found)
+            return pc_fail(ctx, PC_E_USAGE, "--formats wants some of iges,iga,bext,gismo, or all, not '%s'",
+                           text);
+        options->spline_formats |= found;
+        word += length;
+    }
+    return PC_OK;
+}
+
 static pc_status finish_options(convert_line *line, pc_context *ctx) {
     pc_convert_options *options = &line->options;
     pc_status status = PC_OK;
@@ -126,6 +146,11 @@ static pc_status finish_options(convert_line *line, pc_context *ctx) {
     if (options->last == PC_STAGE_CURL) options->curl_correction = true;
     if (options->last == PC_STAGE_SPLINE && !line->tolerance) line->tolerance = default_tolerance;
     if (line->tolerance) PC_TRY(read_tolerance(options, ctx, line->tolerance));
+    if (line->formats) PC_TRY(read_formats(options, ctx, line->formats));
+    if (line->formats && !line->tolerance) {
+        status = pc_fail(ctx, PC_E_USAGE, "--formats are those of the T-spline: --tolerance makes one");
+        goto done;
+    }
     if (line->tolerance && options->keep_ngons) {
         status = pc_fail(ctx, PC_E_USAGE, "--tolerance wants quads only: leave out --ngons keep");
         goto done;

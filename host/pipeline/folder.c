@@ -29,6 +29,12 @@ static const char *const results[] = {
     "zebra.png",
     "error.png",
     PC_OUT_SURFACE ".step",
+    PC_OUT_SURFACE ".hdf",
+    PC_OUT_SURFACE ".igs",
+    PC_OUT_SURFACE ".iga",
+    PC_OUT_SURFACE ".bext",
+    PC_OUT_SURFACE ".xml",
+    PC_OUT_CAGE,
 };
 
 pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,

@@ -10,6 +10,7 @@
 #define PC_OUT_PAGE    "report.html"
 #define PC_OUT_RESULT  "result.h5"
 #define PC_OUT_SURFACE "surface" /* and an ending */
+#define PC_OUT_CAGE    "cage.obj"
 
 /* `folder`/`name``ending`; free with pc_free. */
 pc_status pc_folder_join(char **path, pc_context *ctx, const char *folder, const char *name,

@@ -46,6 +46,15 @@ typedef void pc_stage_sink(void *user, const pc_stage_event *event);
 /* The same where a spline refines them afterwards. */
 #define PC_SPLINE_LEAST_QUADS 1500.0
 
+/* Files of the spline beside surface.step. */
+typedef enum pc_spline_format {
+    PC_SPLINE_IGES,
+    PC_SPLINE_IGA,
+    PC_SPLINE_BEXT,
+    PC_SPLINE_GISMO,
+    PC_SPLINE_FORMATS
+} pc_spline_format;
+
 typedef struct pc_convert_options {
     uint64_t quads;     /* how many are wanted; 0: by length */
     double edge_length; /* of the quads, model units; 0: by factor */
@@ -57,6 +66,7 @@ typedef struct pc_convert_options {
     double tolerance;            /* of the spline: largest distance to the scan; 0: no spline */
     bool tolerance_relative;     /* the tolerance is a part of the diagonal of the scan's box, not a length */
     pc_index max_control_points; /* of the spline; 0: as many as the scan has vertices */
+    unsigned spline_formats;     /* bit 1 << pc_spline_format: that file too */
     bool resume;                 /* takes finished stages whose key fits */
     bool force;                  /* overwrites the outputs of an earlier run */
     bool strict;                 /* refuses what repair would have to cut */
@@ -100,6 +110,8 @@ pc_status pc_convert_estimate(pc_convert_plan *plan, pc_context *ctx, const char
 
 /* "scan", "mesh", ... */
 const char *pc_stage_title(pc_stage_id stage);
+/* "iges", "iga", ... */
+const char *pc_spline_format_name(pc_spline_format format);
 /* PC_STAGE_COUNT where no stage has this name. */
 pc_stage_id pc_stage_find(const char *name);
 

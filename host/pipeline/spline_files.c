@@ -1,7 +1,15 @@
 #include "spline_files.h"
+#include "bext.h"
+#include "bvh.h"
+#include "cage.h"
 #include "folder.h"
+#include "gismo.h"
+#include "iga.h"
+#include "iges.h"
 #include "memory.h"
+#include "skin.h"
 #include "step.h"
+#include "vtkhdf.h"
 #include <stdio.h>
 
 pc_status pc_spline_findings_make(pc_spline_findings *findings, pc_run *run) {
@@ -65,25 +73,107 @@ void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings) {
     pc_json_close(json);
 }
 
-void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline) {
+void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline,
+                                pc_index most_points) {
     const pc_accuracy *accuracy = &spline->stats.accuracy;
     pc_check *check = pc_certificate_add(certificate, "spline tolerance", accuracy->max, spline->tolerance,
                                          accuracy->max <= spline->tolerance);
     (void)snprintf(check->note, sizeof check->note,
                    "largest distance, %.3g %% of the diagonal, %u control points",
                    100 * accuracy->max / spline->diagonal, spline->surface.mesh.vertex_count);
+    if (most_points) {
+        check = pc_certificate_add(certificate, "control points", spline->surface.mesh.vertex_count,
+                                   most_points, spline->surface.mesh.vertex_count <= most_points);
+        (void)snprintf(check->note, sizeof check->note, "at most; fewer quads to start from make fewer");
+    }
     check = pc_certificate_add(certificate, "spline basis", spline->facts.worst_sum, 0,
                                spline->facts.worst_sum < 1e-10 && spline->facts.least_pivot > 0);
     (void)snprintf(check->note, sizeof check->note,
                    "largest miss of the sum of the functions; least pivot %.2g", spline->facts.least_pivot);
 }
 
-pc_status pc_spline_files_write(pc_run *run, const pc_spline_findings *findings) {
+static const struct {
+    const char *name, *ending;
+} formats[PC_SPLINE_FORMATS] = {
+    [PC_SPLINE_IGES] = {"iges", ".igs"},
+    [PC_SPLINE_IGA] = {"iga", ".iga"},
+    [PC_SPLINE_BEXT] = {"bext", ".bext"},
+    [PC_SPLINE_GISMO] = {"gismo", ".xml"},
+};
+
+const char *pc_spline_format_name(pc_spline_format format) {
+    return formats[format].name;
+}
+
+static pc_status write_format(pc_run *run, const pc_spline_findings *findings, pc_spline_format format) {
+    const pc_tspline *spline = &findings->held->surface;
+    pc_context *ctx = run->ctx;
+    char *path;
+    pc_status status = pc_folder_join(&path, ctx, run->out, PC_OUT_SURFACE, formats[format].ending);
+    if (status != PC_OK) return status;
+    switch (format) {
+    case PC_SPLINE_IGES:
+        status = pc_iges_write(ctx, &findings->shell, findings->held->diagonal, PC_OUT_SURFACE, path, true);
+        break;
+    case PC_SPLINE_IGA:
+        status = pc_iga_write(ctx, spline, path, true);
+        break;
+    case PC_SPLINE_BEXT:
+        status = pc_bext_write(ctx, spline, path, true);
+        break;
+    case PC_SPLINE_GISMO:
+        status = pc_gismo_write(ctx, &findings->shell, path, true);
+        break;
+    case PC_SPLINE_FORMATS:
+        break;
+    }
+    pc_free(ctx, path);
+    return status;
+}
+
+/* The surface as triangles, with its distance to the scan. */
+static pc_status write_skin(pc_run *run) {
+    enum { STEPS = 4 };
+    const pc_store_options options = {.force = true, .compress = run->options->compress};
+    const pc_tspline *spline = &run->product.spline.surface;
+    pc_skin skin = {0};
+    pc_bvh tree = {0};
+    pc_bvh_hit *hits = NULL;
+    double *distance = NULL;
     char *path = NULL;
     pc_status status = PC_OK;
-    PC_TRY(pc_folder_join(&path, run->ctx, run->out, PC_OUT_SURFACE, ".step"));
-    PC_TRY(pc_step_write(run->ctx, &findings->shell, findings->held->diagonal, PC_OUT_SURFACE, path, true));
+    PC_TRY(pc_stage_hold(run, PC_STAGE_MESH));
+    PC_TRY(pc_skin_make(&skin, run->ctx, spline, STEPS));
+    PC_TRY(pc_bvh_make(&tree, run->ctx, &run->product.mesh.mesh));
+    PC_TRY(pc_new(&hits, run->ctx, skin.mesh.vertex_count));
+    PC_TRY(pc_new(&distance, run->ctx, skin.mesh.vertex_count));
+    pc_bvh_closest_all(hits, &tree, skin.mesh.position, skin.mesh.vertex_count);
+    for (pc_index v = 0; v < skin.mesh.vertex_count; v++)
+        distance[v] = hits[v].distance;
+    PC_TRY(pc_folder_join(&path, run->ctx, run->out, PC_OUT_SURFACE, ".hdf"));
+    PC_TRY(pc_vtkhdf_write_surface(run->ctx, path, spline, &skin, distance, &options));
 done:
     pc_free(run->ctx, path);
+    pc_free(run->ctx, distance);
+    pc_free(run->ctx, hits);
+    pc_bvh_free(&tree, run->ctx);
+    pc_skin_free(&skin, run->ctx);
+    return status;
+}
+
+pc_status pc_spline_files_write(pc_run *run, const pc_spline_findings *findings) {
+    char *step = NULL, *cage = NULL;
+    pc_status status = PC_OK;
+    PC_TRY(pc_folder_join(&step, run->ctx, run->out, PC_OUT_SURFACE, ".step"));
+    PC_TRY(pc_step_write(run->ctx, &findings->shell, findings->held->diagonal, PC_OUT_SURFACE, step, true));
+    PC_TRY(pc_folder_join(&cage, run->ctx, run->out, PC_OUT_CAGE, ""));
+    PC_TRY(pc_cage_write(run->ctx, &findings->held->surface, cage, true));
+    PC_TRY(write_skin(run));
+    for (int format = 0; format < PC_SPLINE_FORMATS; format++)
+        if (run->options->spline_formats >> format & 1)
+            PC_TRY(write_format(run, findings, (pc_spline_format)format));
+done:
+    pc_free(run->ctx, step);
+    pc_free(run->ctx, cage);
     return status;
 }

@@ -5,10 +5,13 @@
 /* A row with couplings below this share of its diagonal needs no coarse level. */
 static const double ruled_by_diagonal = 0.2;
 
-PC_ALWAYS_INLINE double square_of(pc_block_form form, const pc_blockmat *a, size_t e) {
-    pc_blockval b;
-    pc_blockval_load(form, &b, a, e);
-    return pc_blockval_square(form, &b);
+/* |B_e|^2; floats are good enough to compare by. */
+PC_ALWAYS_INLINE float square_of(pc_block_form form, const pc_blockmat *a, size_t e) {
+    const size_t n = (size_t)pc_form_size(form);
+    float sum = 0;
+    for (size_t k = 0; k < n; k++)
+        sum += a->value[n * e + k] * a->value[n * e + k];
+    return form == PC_FORM_TURNED ? 0.5F * sum : sum;
 }
 
 /* Cosine between A_ik A_kj and -A_ij, in units of |A_ij|; 0 where the quarter turns disagree (a singularity).
@@ -69,7 +72,7 @@ PC_ALWAYS_INLINE void size_row(pc_block_form form, float *size, uint8_t *eligibl
     double d = pc_blockmat_mean_diagonal(a, i);
     double total = 0;
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
-        size[e] = a->column[e] == i ? 0 : (float)sqrt(square_of(form, a, e));
+        size[e] = a->column[e] == i ? 0 : sqrtf(square_of(form, a, e));
         total += (double)size[e];
     }
     eligible[i] = total > ruled_by_diagonal * d;
@@ -305,7 +308,7 @@ PC_ALWAYS_INLINE void carry(pc_block_form form, const frames *f, const pc_blockm
     float m[4] = {0};
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
         if (a->column[e] != via) continue;
-        float square = (float)square_of(form, a, e);
+        float square = square_of(form, a, e);
         if (square > largest) best = e;
         largest = fmaxf(largest, square);
     }
@@ -330,8 +333,7 @@ PC_ALWAYS_INLINE void relax_row(pc_block_form form, const frames *f, const pc_bl
         const int turn = form == PC_FORM_TURNED ? (a->turn[e] + f->turn[j]) & 3 : 0;
         add_carried(form, sum[turn], a, e, f, j);
         count[turn]++;
-        for (size_t k = 0; k < n; k++)
-            squares[turn] += a->value[n * e + k] * a->value[n * e + k];
+        squares[turn] += square_of(form, a, e);
     }
     int best = form == PC_FORM_TURNED ? f->turn[i] : 0;
     float most = 0;
@@ -351,7 +353,6 @@ PC_ALWAYS_INLINE void relax_row(pc_block_form form, const frames *f, const pc_bl
 /* Frames of all rows of a group. */
 PC_ALWAYS_INLINE void transport(pc_block_form form, const frames *f, const pc_blockmat *a,
                                 const pc_aggregates *g, pc_index group) {
-    enum { SWEEPS = 2 };
     const pc_index *member = g->member + g->start[group];
     pc_index size = g->start[group + 1] - g->start[group];
     pc_index root = PC_NONE;
@@ -367,10 +368,8 @@ PC_ALWAYS_INLINE void transport(pc_block_form form, const frames *f, const pc_bl
     for (pc_index k = 0; k < size; k++) {
         if (g->via[member[k]] != root) carry(form, f, a, member[k], g->via[member[k]]);
     }
-    for (int sweep = 0; sweep < SWEEPS; sweep++) {
-        for (pc_index k = 0; k < size; k++)
-            relax_row(form, f, a, g, member[k]);
-    }
+    for (pc_index k = 0; k < size; k++)
+        relax_row(form, f, a, g, member[k]);
 }
 
 pc_status pc_aggregates_transport(pc_blockmat *tentative, pc_context *ctx, const pc_aggregates *aggregates,

@@ -16,8 +16,8 @@ typedef struct devlevel {
     pc_row_order order;
     pc_devmat matrix, prolongator, restriction;
     pc_chebyshev chebyshev;
-    size_t numbers; /* of a vector on the device */
-    pc_buffer *x, *x_other, *d, *b, *r;
+    size_t numbers;                 /* of a vector on the device */
+    pc_buffer *x, *x_other, *d, *b; /* residuals go to x_other */
 } devlevel;
 
 struct pc_devsolve {
@@ -67,8 +67,8 @@ static pc_status make_level(pc_devsolve *s, pc_context *ctx, int k, const pc_lev
     PC_TRY(
         pc_devmat_make(&level->matrix, ctx, s->device, &host->matrix, &level->order, &level->order, exact));
     level->numbers = pc_devmat_padded(&level->matrix) * (size_t)s->width;
-    pc_buffer **vectors[5] = {&level->x, &level->x_other, &level->d, &level->b, &level->r};
-    for (int v = 0; v < 5; v++)
+    pc_buffer **vectors[4] = {&level->x, &level->x_other, &level->d, &level->b};
+    for (int v = 0; v < 4; v++)
         PC_TRY(pc_buffer_zeroed(vectors[v], ctx, s->device, level->numbers * sizeof(float)));
     if (k + 1 < s->level_count) {
         PC_TRY(pc_devmat_make(&level->prolongator, ctx, s->device, &host->prolongator, &level->order,
@@ -168,8 +168,8 @@ void pc_devsolve_free(pc_devsolve *solve, pc_context *ctx) {
         pc_devmat_free(&level->matrix, ctx);
         pc_devmat_free(&level->prolongator, ctx);
         pc_devmat_free(&level->restriction, ctx);
-        pc_buffer *vectors[5] = {level->x, level->x_other, level->d, level->b, level->r};
-        for (int v = 0; v < 5; v++)
+        pc_buffer *vectors[4] = {level->x, level->x_other, level->d, level->b};
+        for (int v = 0; v < 4; v++)
             pc_buffer_free(vectors[v], ctx);
     }
     pc_buffer *buffers[9] = {solve->direct, solve->diagonal, solve->x,       solve->b,      solve->r,
@@ -261,8 +261,8 @@ static pc_status cycle(pc_devsolve *s, pc_context *ctx) {
         devlevel *level = &s->level[k];
         PC_TRY(smooth_first(s, ctx, level, level->chebyshev.beta[0]));
         PC_TRY(smooth(s, ctx, level, 1));
-        PC_TRY(product(s, ctx, &level->matrix, RESIDUAL, level->r, level->x, level->b, NULL, 0, 0));
-        PC_TRY(product(s, ctx, &level->restriction, APPLY, level[1].b, level->r, NULL, NULL, 0, 0));
+        PC_TRY(product(s, ctx, &level->matrix, RESIDUAL, level->x_other, level->x, level->b, NULL, 0, 0));
+        PC_TRY(product(s, ctx, &level->restriction, APPLY, level[1].b, level->x_other, NULL, NULL, 0, 0));
     }
     PC_TRY(solve_last(s, ctx, &s->level[last]));
     for (int k = last - 1; k >= 0; k--) {

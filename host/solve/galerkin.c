@@ -25,17 +25,21 @@ typedef struct chunk {
     float *value;
 } chunk;
 
-/* A sparse row under construction, and those that are finished. slot[] needs no clearing: what earlier rows
- * left there is below `base`. Each thread has one, and works on a copy that the compiler can keep in
- * registers. */
+/* A sparse row under construction. slot[] needs no clearing: what earlier rows left there is below `base`.
+ * Never handed to a function that is not inlined: compilers then keep it in registers. */
 typedef struct row {
     pc_index *slot; /* per key: base + place in the row */
     pc_index *list; /* keys */
     double *sum;    /* zero from `count` on */
     pc_index base, count;
+} row;
+
+/* What a thread works with: space for a row, and the rows that are finished. */
+typedef struct worker {
+    row space;
     chunk *head, *last;
     pc_status status;
-} row;
+} worker;
 
 PC_ALWAYS_INLINE pc_index key_of(pc_block_form form, pc_index column, int turn) {
     return form == PC_FORM_TURNED ? 4 * column + (pc_index)turn : column;
@@ -103,33 +107,32 @@ PC_ALWAYS_INLINE void smooth_row(pc_block_form form, row *r, const product *p, p
     }
 }
 
-/* A chunk for row i, which has r->count entries, and for what follows. */
-static bool next_chunk(row *r, pc_context *ctx, size_t size, pc_index i) {
+/* A chunk for row i, which has `count` entries, and for what follows. */
+static bool next_chunk(worker *w, pc_context *ctx, size_t size, pc_index i, pc_index count, pc_index base) {
     enum { ROOM = 1 << 15 };
-    const size_t room = r->count > ROOM ? r->count : ROOM;
+    const size_t room = count > ROOM ? count : ROOM;
     char *block = NULL;
-    r->status = r->base < PC_NONE - room
+    w->status = base < PC_NONE - room
                     ? pc_resize(&block, ctx, sizeof(chunk) + room * (size + 1) * sizeof(float))
                     : pc_fail(ctx, PC_E_MESH, "a multigrid level is beyond 32-bit offsets");
-    if (r->status != PC_OK) return false;
+    if (!block) return false;
     chunk *c = (chunk *)(void *)block;
     *c = (chunk){.first = i, .room = room};
     c->key = (pc_index *)(void *)(block + sizeof *c);
     c->value = (float *)(void *)(c->key + room);
-    if (r->last)
-        r->last->next = c;
+    if (w->last)
+        w->last->next = c;
     else
-        r->head = c;
-    r->last = c;
+        w->head = c;
+    w->last = c;
     return true;
 }
 
 /* Moves the row to the chunk; its sums are zero again. */
-PC_ALWAYS_INLINE void put_row(pc_block_form form, row *r, const product *p, pc_index i) {
+PC_ALWAYS_INLINE void put_row(pc_block_form form, row *r, chunk *c, const product *p, pc_index i) {
     const size_t size = (size_t)pc_form_size(form);
     const size_t per_row = (size_t)pc_form_diagonal(form);
     const pc_index own = p->finish == SPLIT_DIAGONAL ? key_of(form, i, 0) : PC_NONE;
-    chunk *c = r->last;
     size_t e = c->count;
     for (pc_index k = 0; k < r->count; k++) {
         const double *s = r->sum + size * k;
@@ -150,34 +153,33 @@ PC_ALWAYS_INLINE void put_row(pc_block_form form, row *r, const product *p, pc_i
     r->count = 0;
 }
 
-PC_ALWAYS_INLINE void fill_rows(pc_block_form form, row *own, pc_context *ctx, const product *p,
+PC_ALWAYS_INLINE void fill_rows(pc_block_form form, worker *w, pc_context *ctx, const product *p,
                                 pc_index from, pc_index to) {
-    row r = *own;
+    row r = w->space;
     for (pc_index i = from; i < to; i++) {
         row_values(form, &r, p, i);
         if (p->finish == SMOOTH && r.count > 0) smooth_row(form, &r, p, i);
-        if ((!r.last || r.last->count + r.count > r.last->room) &&
-            !next_chunk(&r, ctx, (size_t)pc_form_size(form), i))
+        if ((!w->last || w->last->count + r.count > w->last->room) &&
+            !next_chunk(w, ctx, (size_t)pc_form_size(form), i, r.count, r.base))
             break;
-        put_row(form, &r, p, i);
+        put_row(form, &r, w->last, p, i);
     }
-    *own = r;
 }
 
 /* The rows in equal runs, one for each thread. */
-static pc_status fill(row *rows, pc_context *ctx, const product *p, int threads) {
+static pc_status fill(worker *workers, pc_context *ctx, const product *p, int threads) {
     const size_t n = p->a->row_count;
     pc_status status = PC_OK;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int t = 0; t < threads; t++) {
         const pc_index from = (pc_index)(n * (size_t)t / (size_t)threads);
         const pc_index to = (pc_index)(n * ((size_t)t + 1) / (size_t)threads);
-        if (p->a->form == PC_FORM_SCALAR) fill_rows(PC_FORM_SCALAR, &rows[t], ctx, p, from, to);
-        if (p->a->form == PC_FORM_COMPLEX) fill_rows(PC_FORM_COMPLEX, &rows[t], ctx, p, from, to);
-        if (p->a->form == PC_FORM_TURNED) fill_rows(PC_FORM_TURNED, &rows[t], ctx, p, from, to);
+        if (p->a->form == PC_FORM_SCALAR) fill_rows(PC_FORM_SCALAR, &workers[t], ctx, p, from, to);
+        if (p->a->form == PC_FORM_COMPLEX) fill_rows(PC_FORM_COMPLEX, &workers[t], ctx, p, from, to);
+        if (p->a->form == PC_FORM_TURNED) fill_rows(PC_FORM_TURNED, &workers[t], ctx, p, from, to);
     }
     for (int t = 0; t < threads && status == PC_OK; t++)
-        status = rows[t].status;
+        status = workers[t].status;
     return status;
 }
 
@@ -190,47 +192,47 @@ static size_t longest_row(const pc_blockmat *m) {
     return longest;
 }
 
-static pc_status make_rows(row *rows, pc_context *ctx, const product *p, int threads) {
+static pc_status make_workers(worker *workers, pc_context *ctx, const product *p, int threads) {
     const size_t keys = p->b->column_count * (p->a->form == PC_FORM_TURNED ? (size_t)4 : 1);
     const size_t most = (longest_row(p->a) + 1) * longest_row(p->b);
     const size_t room = 1 + (most < keys ? most : keys);
     pc_status status = PC_OK;
     for (int t = 0; t < threads; t++) {
-        rows[t].base = 1;
-        PC_TRY(pc_new(&rows[t].slot, ctx, keys));
-        PC_TRY(pc_new(&rows[t].list, ctx, room));
-        PC_TRY(pc_new(&rows[t].sum, ctx, room * (size_t)pc_form_size(p->a->form)));
+        workers[t].space.base = 1;
+        PC_TRY(pc_new(&workers[t].space.slot, ctx, keys));
+        PC_TRY(pc_new(&workers[t].space.list, ctx, room));
+        PC_TRY(pc_new(&workers[t].space.sum, ctx, room * (size_t)pc_form_size(p->a->form)));
     }
 done:
     return status;
 }
 
-static void free_rows(row *rows, pc_context *ctx, int threads) {
-    for (int t = 0; rows && t < threads; t++) {
-        pc_free(ctx, rows[t].slot);
-        pc_free(ctx, rows[t].list);
-        pc_free(ctx, rows[t].sum);
-        while (rows[t].head) {
-            chunk *next = rows[t].head->next;
-            pc_free(ctx, rows[t].head);
-            rows[t].head = next;
+static void free_workers(worker *workers, pc_context *ctx, int threads) {
+    for (int t = 0; workers && t < threads; t++) {
+        pc_free(ctx, workers[t].space.slot);
+        pc_free(ctx, workers[t].space.list);
+        pc_free(ctx, workers[t].space.sum);
+        while (workers[t].head) {
+            chunk *next = workers[t].head->next;
+            pc_free(ctx, workers[t].head);
+            workers[t].head = next;
         }
     }
-    pc_free(ctx, rows);
+    pc_free(ctx, workers);
 }
 
 /* The chunks of a thread to their places. */
-static void keep_chunks(pc_blockmat *c, pc_context *ctx, row *r) {
+static void keep_chunks(pc_blockmat *c, pc_context *ctx, worker *w) {
     const size_t size = (size_t)pc_form_size(c->form);
-    while (r->head) {
-        chunk *from = r->head;
+    while (w->head) {
+        chunk *from = w->head;
         const size_t to = c->start[from->first];
         for (size_t e = 0; e < from->count; e++)
             c->column[to + e] = c->form == PC_FORM_TURNED ? from->key[e] / 4 : from->key[e];
         for (size_t e = 0; c->turn && e < from->count; e++)
             c->turn[to + e] = (uint8_t)(from->key[e] % 4);
         memcpy(c->value + size * to, from->value, size * from->count * sizeof *from->value);
-        r->head = from->next;
+        w->head = from->next;
         pc_free(ctx, from);
     }
 }
@@ -252,14 +254,14 @@ PC_ALWAYS_INLINE void turn_entry(pc_block_form form, pc_blockmat *c, const chunk
 }
 
 PC_ALWAYS_INLINE void turn_chunks(pc_block_form form, pc_blockmat *c, pc_context *ctx, const product *p,
-                                  row *r) {
-    while (r->head) {
-        chunk *from = r->head;
+                                  worker *w) {
+    while (w->head) {
+        chunk *from = w->head;
         pc_index i = from->first;
         for (size_t e = 0; e < from->count; i++)
             for (size_t end = e + p->length[i]; e < end; e++)
                 turn_entry(form, c, from, e, i);
-        r->head = from->next;
+        w->head = from->next;
         pc_free(ctx, from);
     }
 }
@@ -279,47 +281,47 @@ static void run_back(pc_index *start, pc_index rows) {
 
 /* The transpose of what was found. For a symmetric product it is the product, and has its columns in order.
  */
-static void keep_transposed(pc_context *ctx, const product *p, row *rows, int threads) {
+static void keep_transposed(pc_context *ctx, const product *p, worker *workers, int threads) {
     pc_blockmat *c = p->c;
     const pc_index per_column = c->form == PC_FORM_TURNED ? 4 : 1;
     for (int t = 0; t < threads; t++)
-        for (const chunk *from = rows[t].head; from; from = from->next)
+        for (const chunk *from = workers[t].head; from; from = from->next)
             for (size_t e = 0; e < from->count; e++)
                 c->start[from->key[e] / per_column + 1]++;
     add_up(c->start, c->row_count);
     for (int t = 0; t < threads; t++) {
-        if (c->form == PC_FORM_SCALAR) turn_chunks(PC_FORM_SCALAR, c, ctx, p, &rows[t]);
-        if (c->form == PC_FORM_COMPLEX) turn_chunks(PC_FORM_COMPLEX, c, ctx, p, &rows[t]);
-        if (c->form == PC_FORM_TURNED) turn_chunks(PC_FORM_TURNED, c, ctx, p, &rows[t]);
+        if (c->form == PC_FORM_SCALAR) turn_chunks(PC_FORM_SCALAR, c, ctx, p, &workers[t]);
+        if (c->form == PC_FORM_COMPLEX) turn_chunks(PC_FORM_COMPLEX, c, ctx, p, &workers[t]);
+        if (c->form == PC_FORM_TURNED) turn_chunks(PC_FORM_TURNED, c, ctx, p, &workers[t]);
     }
     run_back(c->start, c->row_count);
 }
 
 static pc_status multiply(product *p, pc_context *ctx) {
     pc_status status = PC_OK;
-    row *rows = NULL;
+    worker *workers = NULL;
     const pc_index n = p->a->row_count;
     const int threads = n > PC_PARALLEL_ROWS ? omp_get_max_threads() : 1;
     size_t entries = 0;
-    PC_TRY(pc_new(&rows, ctx, (size_t)threads));
+    PC_TRY(pc_new(&workers, ctx, (size_t)threads));
     PC_TRY(pc_new(&p->length, ctx, n));
-    PC_TRY(make_rows(rows, ctx, p, threads));
-    PC_TRY(fill(rows, ctx, p, threads));
+    PC_TRY(make_workers(workers, ctx, p, threads));
+    PC_TRY(fill(workers, ctx, p, threads));
     for (pc_index i = 0; i < n; i++)
         entries += p->length[i];
     PC_TRY(
         pc_blockmat_make(p->c, ctx, p->a->form, n, p->b->column_count, entries, p->finish == SPLIT_DIAGONAL));
     if (p->finish == SPLIT_DIAGONAL) {
-        keep_transposed(ctx, p, rows, threads);
+        keep_transposed(ctx, p, workers, threads);
     } else {
         memcpy(p->c->start + 1, p->length, n * sizeof *p->length);
         add_up(p->c->start, n);
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (int t = 0; t < threads; t++)
-            keep_chunks(p->c, ctx, &rows[t]);
+            keep_chunks(p->c, ctx, &workers[t]);
     }
 done:
-    free_rows(rows, ctx, threads);
+    free_workers(workers, ctx, threads);
     pc_free(ctx, p->length);
     return status;
 }

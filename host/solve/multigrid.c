@@ -10,7 +10,7 @@
 enum { DIRECT = 320 };
 /* Share of the spectrum, from above, that smoothing covers. */
 static const double smooth_from = 0.1;
-static const double strong = 0.015;
+static const double strong = 0.06;
 
 static size_t reals(const pc_blockmat *a) {
     return (size_t)a->row_count * (size_t)pc_form_width(a->form);
@@ -57,9 +57,9 @@ static double largest_possible(const pc_blockmat *a) {
         double sum[2] = {0, 0};
         for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
             for (size_t k = 0; k < width; k += 2) {
-                double re = (double)a->value[width * e + k];
-                double im = width > 1 ? (double)a->value[width * e + k + 1] : 0;
-                sum[k / 2] += sqrt(re * re + im * im);
+                float re = a->value[width * e + k];
+                float im = width > 1 ? a->value[width * e + k + 1] : 0;
+                sum[k / 2] += (double)sqrtf(re * re + im * im);
             }
         }
         for (size_t k = 0; k < per_row; k++) {
@@ -99,7 +99,7 @@ static double largest_of_tridiagonal(const double *diagonal, const double *besid
  * Lanczos' method in the scalar product of D finds outliers that a power iteration of the same length would
  * not see. */
 static pc_status find_largest(double *largest, pc_context *ctx, const pc_blockmat *a) {
-    enum { ITERATIONS = 10 };
+    enum { ITERATIONS = 7 };
     const double enough = 2.01;
     size_t n = reals(a);
     float *x = NULL;
@@ -317,9 +317,8 @@ void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx) {
         pc_blockmat_free(&level->matrix, ctx);
         pc_blockmat_free(&level->prolongator, ctx);
         pc_blockmat_free(&level->restriction, ctx);
-        float **vectors[6] = {&level->x, &level->x_other, &level->d,
-                              &level->b, &level->r,       &level->first_diagonal};
-        for (int v = 0; v < 6; v++) {
+        float **vectors[5] = {&level->x, &level->x_other, &level->d, &level->b, &level->first_diagonal};
+        for (int v = 0; v < 5; v++) {
             pc_free(ctx, *vectors[v]);
             *vectors[v] = NULL;
         }
@@ -351,8 +350,8 @@ pc_status pc_multigrid_make_vectors(pc_multigrid *multigrid, pc_context *ctx) {
     pc_status status = PC_OK;
     for (int k = 0; k < multigrid->level_count; k++) {
         pc_level *level = &multigrid->level[k];
-        float **vectors[5] = {&level->x, &level->x_other, &level->d, &level->b, &level->r};
-        for (int v = 0; v < 5; v++) {
+        float **vectors[4] = {&level->x, &level->x_other, &level->d, &level->b};
+        for (int v = 0; v < 4; v++) {
             if (!*vectors[v]) PC_TRY(pc_new(vectors[v], ctx, reals(&level->matrix)));
         }
     }
@@ -395,8 +394,8 @@ static void solve_last(const pc_multigrid *mg, pc_level *level) {
 static void descend(pc_level *level) {
     pc_blockmat_smooth_first(level->x, level->d, &level->matrix, level->b, level->chebyshev.beta[0]);
     smooth(level, 1);
-    pc_blockmat_residual(level->r, &level->matrix, level->b, level->x);
-    pc_blockmat_apply(level[1].b, &level->restriction, level->r);
+    pc_blockmat_residual(level->x_other, &level->matrix, level->b, level->x);
+    pc_blockmat_apply(level[1].b, &level->restriction, level->x_other);
 }
 
 static void ascend(pc_level *level) {

@@ -21,7 +21,7 @@ typedef struct pc_level {
     float *first_diagonal; /* of the matrix as built; in the mean for TURNED */
     double largest;        /* eigenvalue of D^-1 A, estimated */
     pc_chebyshev chebyshev;
-    float *x, *x_other, *d, *b, *r; /* of the host cycle */
+    float *x, *x_other, *d, *b; /* of the host cycle; residuals go to x_other */
 } pc_level;
 
 typedef struct pc_multigrid {
