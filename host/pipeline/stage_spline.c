@@ -17,10 +17,10 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "max_control_points", options->max_control_points);
 }
 
-/* More control points than the scan has vertices would draw its noise. */
+/* More control points than the scan has triangles, about, would draw its noise. */
 static pc_index most_points(const pc_run *run) {
     pc_index asked = run->options->max_control_points;
-    return asked ? asked : run->product.mesh.scan_vertex_count;
+    return asked ? asked : 2 * run->product.mesh.scan_vertex_count;
 }
 
 static void put_facts(pc_json *facts, const pc_held_spline *spline) {
