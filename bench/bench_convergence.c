@@ -147,8 +147,8 @@ static pc_status adaptive(pc_context *ctx, const pc_exact_shape *shape, pc_index
                           bool in_four) {
     pc_status status = PC_OK;
     pc_index points = 0;
-    for (double tolerance = 1e-3; status == PC_OK && points <= most; tolerance /= sqrt(10))
-        status = adapt(&points, ctx, shape, n, most, tolerance, in_four);
+    for (int k = 6; status == PC_OK && points <= most; k++) /* from 1e-3 on, two for each power of ten */
+        status = adapt(&points, ctx, shape, n, most, pow(10, -0.5 * k), in_four);
     return status;
 }
 

@@ -23,6 +23,18 @@ def slope(rows, key):
     return sum((a - mx) * (b - my) for a, b in zip(x, y)) / sum((a - mx) ** 2 for a in x) if n > 1 else math.nan
 
 
+def doublings(found):
+    """Uniform quads come in two series, from two coarse meshes: each is a line of its own."""
+    lines = []
+    for r in found:
+        line = next((known for known in lines if 3.5 < r["points"] / known[-1]["points"] < 4.5), None)
+        if line is None:
+            lines.append([r])
+        else:
+            line.append(r)
+    return lines
+
+
 def of(rows, shape, way):
     return sorted((r for r in rows if r["shape"] == shape and r["way"] == way), key=lambda r: r["points"])
 
@@ -58,8 +70,8 @@ def plot(rows, path):
         if shape == "sphere":
             series.insert(1, ("uniform, 20 degrees away from them", of(rows, shape, "uniform"), "away_max", "o:C0"))
         for label, found, key, style in series:
-            if found:
-                axis.loglog([r["points"] for r in found], [r[key] for r in found], style, label=label, ms=5)
+            for i, line in enumerate(doublings(found) if label.startswith("uniform") else [found] if found else []):
+                axis.loglog([r["points"] for r in line], [r[key] for r in line], style, label=None if i else label, ms=5)
         start = of(rows, shape, "uniform")[0]
         x = [40, 9000]
         y = 0.35 * start["max"] * start["points"] ** 2
@@ -83,7 +95,7 @@ def main():
     parser.add_argument("--plot")
     options = parser.parse_args()
     with open(options.log, encoding="utf-8") as log:
-        rows = [json.loads(line) for line in log]
+        rows = [json.loads(line) for line in dict.fromkeys(log)]  # two tolerances may give one spline
     print_table(rows)
     if options.plot:
         plot(rows, options.plot)

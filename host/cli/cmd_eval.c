@@ -131,9 +131,9 @@ static pc_status put_grid(sheet *to, const pc_tspline *spline, uint64_t n) {
     if (status != PC_OK) return status;
     for (pc_index f = 0; f < spline->mesh.face_count; f++)
         for (uint64_t i = 0; i < n * n && !spline->mesh.face[f].ghost; i++) {
+            const uint64_t column = i % n, line = i / n;
             double last = (double)(n - 1);
-            double part[2] = {(double)(i % n) / last, (double)(i / n) / last};
-            PC_TRY(put_part(to, spline, f, part));
+            PC_TRY(put_part(to, spline, f, (const double[2]){(double)column / last, (double)line / last}));
         }
 done:
     return status;

@@ -309,6 +309,19 @@ static void use(pc_context *ctx, pc_tspline *spline) {
             (void)pc_tspline_evaluate(spline, place);
             (void)pc_tspline_cross(&beyond, spline, place, i);
         }
+    const double point[3] = {1, 2, 3};
+    pc_facets facets;
+    pc_nearest nearest;
+    assert_ok(ctx, pc_facets_make(&facets, ctx, spline, 2, false));
+    pc_nearest_all(&nearest, spline, &facets, point, 1);
+    pc_facets_free(&facets, ctx);
+    pc_closure_stats stats;
+    uint8_t *wish;
+    assert_ok(ctx, pc_new(&wish, ctx, spline->mesh.face_count));
+    wish[spline->mesh.face_count / 2] = PC_HALVE_S | PC_HALVE_T;
+    pc_status status = pc_insertion_refine(spline, &stats, ctx, wish);
+    assert_true(status == PC_OK || status == PC_E_BUG);
+    pc_free(ctx, wish);
 }
 
 static void damaged_files_are_refused(void **state) {
