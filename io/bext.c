@@ -27,6 +27,13 @@ static size_t hash_of(const double c[16]) {
     return (size_t)h;
 }
 
+static bool equal(const double a[16], const double b[16]) {
+    int i = 0;
+    while (i < 16 && a[i] == b[i])
+        i++;
+    return i == 16;
+}
+
 static void place(vectors *v, pc_index number) {
     size_t at = hash_of(v->c[number]) & (v->slots - 1);
     while (v->slot[at] != PC_NONE)
@@ -50,7 +57,7 @@ static pc_status number_vector(vectors *v, pc_context *ctx, const double c[16], 
     if (2 * (size_t)v->count >= v->slots) PC_TRY(rehash(v, ctx));
     size_t at = hash_of(c) & (v->slots - 1);
     for (; v->slot[at] != PC_NONE; at = (at + 1) & (v->slots - 1))
-        if (memcmp(v->c[v->slot[at]], c, sizeof *v->c) == 0) {
+        if (equal(v->c[v->slot[at]], c)) {
             *number = v->slot[at];
             return PC_OK;
         }

@@ -3,6 +3,13 @@
 #include "textout.h"
 #include <string.h>
 
+/* An edge in the parameters of a face: where the curve's parameter is 0, and along which side it runs. */
+typedef struct trace {
+    pc_index face; /* PC_NONE past a border */
+    double origin[2];
+    int way; /* 0..3: +s, +t, -s, -t */
+} trace;
+
 /* Entities are numbered as they are written. */
 typedef struct step {
     pc_textout out;
@@ -10,7 +17,10 @@ typedef struct step {
     const pc_shell *shell;
     size_t *vertex; /* per vertex: its VERTEX_POINT */
     size_t *edge;   /* per edge: its EDGE_CURVE */
-    size_t *face;   /* per face: its ADVANCED_FACE */
+    size_t *face;   /* per face: its surface, then its ADVANCED_FACE */
+    trace *trace;   /* per directed edge */
+    size_t way[4];  /* VECTORs along the sides of the parameters' rectangle */
+    size_t plane;   /* context of curves there */
     size_t *brep;   /* per component: what the representation lists */
 } step;
 
@@ -60,6 +70,86 @@ static void put_knots(step *s, const double *knot, pc_index count) {
     pc_textout_put(&s->out, ")");
 }
 
+/* ---- Curves in the parameters ----
+ * Readers that have none project every edge onto its surfaces, and now and then miss. */
+
+static double span_of(const double *knot, pc_index point_count) {
+    return knot[point_count - 3] - knot[0];
+}
+
+/* The loop runs around the rectangle of the face's parameters, counter-clockwise from its lower corner. */
+static void trace_face(step *s, pc_index f) {
+    const pc_shell *shell = s->shell;
+    const pc_shell_face *face = shell->face + f;
+    double low[2], size[2], along = 0;
+    for (int k = 0; k < 2; k++) {
+        low[k] = shell->knot[face->knot[k]];
+        size[k] = span_of(shell->knot + face->knot[k], face->point_count[k]);
+    }
+    int side = 0;
+    for (size_t i = face->loop; i < face->loop + face->loop_count; i++) {
+        bool back = shell->loop[i] % 2;
+        const pc_shell_edge *edge = shell->edge + shell->loop[i] / 2;
+        const double *knot = shell->knot + edge->knot;
+        double span = span_of(knot, edge->point_count);
+        while (side < 3 && along + span / 2 > size[side & 1])
+            along -= size[side++ & 1];
+        double at[2] = {side == 1 ? size[0] : 0, side == 2 ? size[1] : 0}; /* where the loop's t is 0 */
+        int d = side & 1;
+        double run = side < 2 ? 1 : -1, begin = back ? along + span : along;
+        at[d] = side < 2 ? begin : size[d] - begin;
+        if (back) run = -run;
+        trace *t = s->trace + shell->loop[i];
+        *t = (trace){.face = f, .way = d + (run < 0 ? 2 : 0)};
+        at[d] -= run * knot[0];
+        for (int k = 0; k < 2; k++)
+            t->origin[k] = low[k] + at[k];
+        along += span;
+    }
+}
+
+static void put_plane(step *s) {
+    static const char *const way[4] = {"1.,0.", "0.,1.", "-1.,0.", "0.,-1."};
+    for (int k = 0; k < 4; k++) {
+        size_t direction = begin(s);
+        pc_textout_put(&s->out, "DIRECTION('',(%s));\n", way[k]);
+        s->way[k] = begin(s);
+        pc_textout_put(&s->out, "VECTOR('',#%zu,1.);\n", direction);
+    }
+    s->plane = begin(s);
+    pc_textout_put(&s->out, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+                            "REPRESENTATION_CONTEXT('2D',''));\n");
+}
+
+static size_t put_trace(step *s, const trace *t) {
+    size_t point = begin(s);
+    pc_textout_put(&s->out, "CARTESIAN_POINT('',(");
+    put_real(s, t->origin[0]);
+    pc_textout_put(&s->out, ",");
+    put_real(s, t->origin[1]);
+    pc_textout_put(&s->out, "));\n");
+    size_t line = begin(s);
+    pc_textout_put(&s->out, "LINE('',#%zu,#%zu);\n", point, s->way[t->way]);
+    size_t representation = begin(s);
+    pc_textout_put(&s->out, "DEFINITIONAL_REPRESENTATION('',(#%zu),#%zu);\n", line, s->plane);
+    size_t curve = begin(s);
+    pc_textout_put(&s->out, "PCURVE('',#%zu,#%zu);\n", s->face[t->face], representation);
+    return curve;
+}
+
+/* The curve with its traces on the surfaces beside it. */
+static size_t put_surface_curve(step *s, pc_index e, size_t curve) {
+    size_t on[2], count = 0;
+    for (pc_index k = 0; k < 2; k++)
+        if (s->trace[2 * e + k].face != PC_NONE) on[count++] = put_trace(s, s->trace + 2 * e + k);
+    size_t surface_curve = begin(s);
+    pc_textout_put(&s->out, "SURFACE_CURVE('',#%zu,(", curve);
+    for (size_t k = 0; k < count; k++)
+        pc_textout_put(&s->out, "%s#%zu", k ? "," : "", on[k]);
+    pc_textout_put(&s->out, "),.CURVE_3D.);\n");
+    return surface_curve;
+}
+
 static void put_edge(step *s, pc_index e) {
     const pc_shell_edge *edge = s->shell->edge + e;
     size_t first = s->entity + 1;
@@ -74,6 +164,7 @@ static void put_edge(step *s, pc_index e) {
     pc_textout_put(&s->out, ",");
     put_knots(s, s->shell->knot + edge->knot, edge->point_count - 2);
     pc_textout_put(&s->out, ",.UNSPECIFIED.);\n");
+    curve = put_surface_curve(s, e, curve);
     s->edge[e] = begin(s);
     pc_textout_put(&s->out, "EDGE_CURVE('',#%zu,#%zu,#%zu,.T.);\n", s->vertex[edge->vertex[0]],
                    s->vertex[edge->vertex[1]], curve);
@@ -106,7 +197,7 @@ static size_t put_surface(step *s, const pc_shell_face *face) {
 
 static void put_face(step *s, pc_index f) {
     const pc_shell_face *face = s->shell->face + f;
-    size_t surface = put_surface(s, face), first = s->entity + 1;
+    size_t surface = s->face[f], first = s->entity + 1;
     for (size_t i = face->loop; i < face->loop + face->loop_count; i++) {
         pc_index directed = s->shell->loop[i];
         (void)begin(s);
@@ -221,6 +312,11 @@ static void put_all(step *s, double size, const char *name) {
         s->vertex[v] = begin(s);
         pc_textout_put(&s->out, "VERTEX_POINT('',#%zu);\n", point);
     }
+    put_plane(s);
+    for (pc_index f = 0; f < shell->face_count; f++) {
+        s->face[f] = put_surface(s, shell->face + f);
+        trace_face(s, f);
+    }
     for (pc_index e = 0; e < shell->edge_count; e++)
         put_edge(s, e);
     for (pc_index f = 0; f < shell->face_count; f++)
@@ -246,6 +342,9 @@ pc_status pc_step_write(pc_context *ctx, const pc_shell *shell, double size, con
     PC_TRY(pc_new(&s.vertex, ctx, shell->vertex_count));
     PC_TRY(pc_new(&s.edge, ctx, shell->edge_count));
     PC_TRY(pc_new(&s.face, ctx, shell->face_count));
+    PC_TRY(pc_new(&s.trace, ctx, 2 * (size_t)shell->edge_count));
+    for (size_t i = 0; i < 2 * (size_t)shell->edge_count; i++)
+        s.trace[i].face = PC_NONE;
     PC_TRY(pc_new(&s.brep, ctx, shell->component_count));
     PC_TRY(pc_textout_open(&s.out, ctx, path, force));
     put_all(&s, size, clean);
@@ -253,6 +352,7 @@ done:
     pc_free(ctx, s.vertex);
     pc_free(ctx, s.edge);
     pc_free(ctx, s.face);
+    pc_free(ctx, s.trace);
     pc_free(ctx, s.brep);
     return pc_textout_close(&s.out, status);
 }

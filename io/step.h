@@ -4,7 +4,8 @@
 
 #include "shell.h"
 
-/* Writes every face as a B_SPLINE_SURFACE_WITH_KNOTS within its edges, which the faces share. A shell without
+/* Writes every face as a B_SPLINE_SURFACE_WITH_KNOTS within its edges, which the faces share and which have
+ * lines in the parameters of both (PCURVE), so that no reader has to project them. A shell without
  * borders is a MANIFOLD_SOLID_BREP per component, else all components are SHELL_BASED_SURFACE_MODELs. Numbers
  * are the shortest that read back the same; lengths are taken as millimetres; `size` (the diagonal of the
  * model) sets the stated uncertainty. `name` is the product's. No time stamp: the same shell gives the same

@@ -31,21 +31,21 @@ static pc_index turned(pc_index first, pc_index c, pc_index by) {
 /* Faces a < b around v as a: v x p y and b: v y q x become a: x p y q. False where that is not what they are.
  */
 static bool join(pc_polymesh *quads, const touching *vertex, pc_index v, const pc_index *face_of,
-                 uint8_t *locked, uint8_t *removed_face) {
+                 uint8_t *locked, uint8_t *removed_face, pc_index least) {
     pc_index ca = vertex[v].corner[0], cb = vertex[v].corner[1], a = face_of[ca], b = face_of[cb];
     if (a == b || locked[a] || locked[b] || !is_quad(quads, a) || !is_quad(quads, b)) return false;
     pc_index *corner = quads->corner, sa = quads->start[a], sb = quads->start[b];
     pc_index x = corner[turned(sa, ca, 1)], p = corner[turned(sa, ca, 2)], y = corner[turned(sa, ca, 3)];
     pc_index q = corner[turned(sb, cb, 2)];
     if (corner[turned(sb, cb, 1)] != y || corner[turned(sb, cb, 3)] != x || p == q) return false;
-    if (vertex[x].count < 3 || vertex[y].count < 3) return false;
+    if (vertex[x].count < least || vertex[y].count < least) return false;
     corner[sa] = x, corner[sa + 1] = p, corner[sa + 2] = y, corner[sa + 3] = q;
     locked[a] = 1, locked[b] = 1;
     removed_face[b] = 1;
     return true;
 }
 
-static pc_status pass(pc_polymesh *quads, pc_index *removed, pc_context *ctx) {
+static pc_status pass(pc_polymesh *quads, pc_index *removed, pc_context *ctx, pc_index least) {
     pc_status status = PC_OK;
     touching *vertex = NULL;
     pc_index *face_of = NULL, before = *removed;
@@ -58,7 +58,7 @@ static pc_status pass(pc_polymesh *quads, pc_index *removed, pc_context *ctx) {
         for (pc_index c = quads->start[f]; c < quads->start[f + 1]; c++)
             face_of[c] = f;
     for (pc_index v = 0; v < quads->vertex_count; v++)
-        if (vertex[v].count == 2 && join(quads, vertex, v, face_of, locked, removed_face)) ++*removed;
+        if (vertex[v].count == 2 && join(quads, vertex, v, face_of, locked, removed_face, least)) ++*removed;
     if (*removed > before) PC_TRY(pc_polymesh_compact(quads, ctx, removed_face));
 done:
     pc_free(ctx, vertex);
@@ -68,11 +68,12 @@ done:
     return status;
 }
 
-pc_status pc_doublets_remove(pc_polymesh *quads, pc_index *removed, pc_context *ctx) {
+pc_status pc_doublets_remove(pc_polymesh *quads, pc_index *removed, pc_context *ctx, bool at_borders) {
+    const pc_index least = at_borders ? 2 : 3; /* two faces around a vertex inside: p would be q */
     *removed = 0;
     for (int i = 0; i < MOST_PASSES; i++) {
         pc_index before = *removed;
-        pc_status status = pass(quads, removed, ctx);
+        pc_status status = pass(quads, removed, ctx, least);
         if (status != PC_OK) return status;
         if (*removed == before) break;
     }

@@ -57,7 +57,7 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
         }
         if (collapsed == 0) break;
         stats->collapsed += collapsed;
-        PC_TRY(pc_doublets_remove(quads, &doublets, ctx));
+        PC_TRY(pc_doublets_remove(quads, &doublets, ctx, false));
         stats->doublets += doublets;
     }
 done:
@@ -110,7 +110,7 @@ pc_status pc_remesh_quads(pc_polymesh *quads, uint8_t **folded, pc_remesh_quads_
         stats->relaxed = kept.relaxed, stats->folded = kept.folded, stats->collapsed = kept.dissolved;
     } else {
         PC_TRY(pc_quads_make(quads, ctx, layout, ngons));
-        PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx));
+        PC_TRY(pc_doublets_remove(quads, &stats->doublets, ctx, false));
         PC_TRY(set_upright(quads, &upside_down, stats, ctx, ground));
         if (wanted > 0) PC_TRY(meet_count(quads, &upside_down, stats, ctx, wanted, ground));
     }

@@ -1,5 +1,6 @@
 #include "polymesh.h"
 #include "memory.h"
+#include <string.h>
 
 pc_status pc_polymesh_make(pc_polymesh *mesh, pc_context *ctx, size_t vertex_count, size_t face_count,
                            size_t corner_count) {
@@ -12,6 +13,17 @@ pc_status pc_polymesh_make(pc_polymesh *mesh, pc_context *ctx, size_t vertex_cou
 done:
     if (status != PC_OK) pc_polymesh_free(mesh, ctx);
     return status;
+}
+
+pc_status pc_polymesh_copy(pc_polymesh *copy, pc_context *ctx, const pc_polymesh *mesh) {
+    const size_t corners = mesh->start[mesh->face_count];
+    pc_status status = pc_polymesh_make(copy, ctx, mesh->vertex_count, mesh->face_count, corners);
+    if (status != PC_OK) return status;
+    memcpy(copy->position, mesh->position, 3 * sizeof(double) * mesh->vertex_count);
+    memcpy(copy->start, mesh->start, sizeof *mesh->start * ((size_t)mesh->face_count + 1));
+    memcpy(copy->corner, mesh->corner, sizeof *mesh->corner * corners);
+    if (mesh->corner_flat) memcpy(copy->corner_flat, mesh->corner_flat, corners);
+    return PC_OK;
 }
 
 pc_status pc_polymesh_compact(pc_polymesh *mesh, pc_context *ctx, const uint8_t *removed) {

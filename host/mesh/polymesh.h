@@ -16,6 +16,8 @@ typedef struct pc_polymesh {
 
 pc_status pc_polymesh_make(pc_polymesh *mesh, pc_context *ctx, size_t vertex_count, size_t face_count,
                            size_t corner_count);
+/* PC_E_NOMEM. */
+pc_status pc_polymesh_copy(pc_polymesh *copy, pc_context *ctx, const pc_polymesh *mesh);
 /* Takes out the faces with removed[f] != 0 and the vertices that no face uses then; the rest keeps its order.
  */
 pc_status pc_polymesh_compact(pc_polymesh *mesh, pc_context *ctx, const uint8_t *removed);

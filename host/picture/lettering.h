@@ -21,7 +21,8 @@ typedef struct pc_tick {
     double value;
     const char *word;
 } pc_tick;
-/* The same from 0 to `high`, numbers where they are asked for. One with a word crosses the bar. */
+/* The same from 0 to `high` in units of the scan, as is written below, with numbers where they are asked for.
+ * A mark with a word crosses the bar. */
 pc_status pc_legend_draw_ticks(pc_picture *picture, pc_context *ctx, const pc_colormap *map, double high,
                                const char *title, const pc_tick *tick, int count);
 

@@ -255,9 +255,8 @@ pc_status pc_scene_errors(pc_picture *picture, pc_context *ctx, const pc_tspline
     for (pc_index e = 0; e < spline->basis.element_count; e++) {
         const int row = t.cells[e][0] + 1;
         for (pc_index v = t.start[e]; v < t.start[e + 1]; v++) {
-            int i = (int)(v - t.start[e]);
-            value[v] =
-                pc_errors_at(errors, e, (double)(i % row) / t.cells[e][0], (double)(i / row) / t.cells[e][1]);
+            const int i = (int)(v - t.start[e]), column = i % row, line = i / row;
+            value[v] = pc_errors_at(errors, e, (double)column / t.cells[e][0], (double)line / t.cells[e][1]);
         }
     }
     surface.value = value, surface.map = &map, surface.low = 0, surface.high = (float)errors->high;

@@ -44,7 +44,7 @@ static pc_status measure(pc_findings *findings, pc_run *run) {
     if (finished(run, PC_STAGE_SPLINE)) {
         PC_TRY(pc_stage_hold(run, PC_STAGE_SPLINE));
         PC_TRY(pc_spline_findings_make(&findings->spline, run));
-        pc_spline_findings_certify(&findings->certificate, &p->spline);
+        pc_spline_findings_certify(&findings->certificate, &p->spline, run->options->max_control_points);
         findings->has_spline = true;
     }
 done:

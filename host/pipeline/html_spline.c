@@ -1,4 +1,5 @@
 #include "html_parts.h"
+#include <math.h>
 
 void pc_html_row(pc_html *html, const char *name) {
     pc_html_put(html, "<tr><th>");
@@ -43,6 +44,10 @@ static void put_figures(pc_html *html, const pc_findings *findings, const pc_alb
     put_length(html, "surface to scan, largest", a->surface_max, held->diagonal);
     put_length(html, "surface to scan, mean", a->surface_mean, held->diagonal);
     if (album->has_errors) {
+        const double within = album->errors.within; /* all is all only where nothing is left */
+        pc_html_row(html, "of the surface within the tolerance");
+        pc_html_print(html, "%.4g&#8201;%%", within < 1 ? fmin(100 * within, 99.99) : 100);
+        pc_html_row_end(html);
         put_length(html, "half of the surface is within", album->errors.quantile[0], held->diagonal);
         put_length(html, "95&#8201;% are within", album->errors.quantile[1], held->diagonal);
         put_length(html, "99&#8201;% are within", album->errors.quantile[2], held->diagonal);

@@ -141,10 +141,16 @@ static void rows_used(int rows[2], const pc_picture *picture) {
     rows[1] = high + 1 + margin < picture->height ? high + 1 + margin : picture->height;
 }
 
+/* Leaves seven bits of each value: they look like eight, and the file is a fifth smaller. */
+static void coarsen(uint8_t *pixels, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        pixels[i] = (uint8_t)((pixels[i] & 0xfe) | pixels[i] >> 7);
+}
+
 /* The spline's pictures, which are looked at closely, larger than the others. */
 static pc_status keep_page(pc_album_page *page, pc_context *ctx, const uint8_t *pixels,
                            const pc_picture *picture, pc_preview_kind kind) {
-    const int most = previews[kind].stage == PC_STAGE_SPLINE ? 1000 : 800;
+    const int most = previews[kind].stage == PC_STAGE_SPLINE ? 900 : 720;
     uint8_t *shrunk = NULL;
     int rows[2];
     pc_status status = PC_OK;
@@ -154,6 +160,7 @@ static pc_status keep_page(pc_album_page *page, pc_context *ctx, const uint8_t *
     page->height = (page->width * height + width / 2) / width;
     PC_TRY(pc_picture_shrink(&shrunk, ctx, pixels + 3 * (size_t)width * (size_t)rows[0], width, height,
                              page->width, page->height));
+    coarsen(shrunk, 3 * (size_t)page->width * (size_t)page->height);
     PC_TRY(pc_png_encode(&page->png, &page->size, ctx, shrunk, page->width, page->height));
 done:
     pc_free(ctx, shrunk);

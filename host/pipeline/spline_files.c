@@ -73,13 +73,19 @@ void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings) {
     pc_json_close(json);
 }
 
-void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline) {
+void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline,
+                                pc_index most_points) {
     const pc_accuracy *accuracy = &spline->stats.accuracy;
     pc_check *check = pc_certificate_add(certificate, "spline tolerance", accuracy->max, spline->tolerance,
                                          accuracy->max <= spline->tolerance);
     (void)snprintf(check->note, sizeof check->note,
                    "largest distance, %.3g %% of the diagonal, %u control points",
                    100 * accuracy->max / spline->diagonal, spline->surface.mesh.vertex_count);
+    if (most_points) {
+        check = pc_certificate_add(certificate, "control points", spline->surface.mesh.vertex_count,
+                                   most_points, spline->surface.mesh.vertex_count <= most_points);
+        (void)snprintf(check->note, sizeof check->note, "at most; fewer quads to start from make fewer");
+    }
     check = pc_certificate_add(certificate, "spline basis", spline->facts.worst_sum, 0,
                                spline->facts.worst_sum < 1e-10 && spline->facts.least_pivot > 0);
     (void)snprintf(check->note, sizeof check->note,

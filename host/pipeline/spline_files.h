@@ -18,8 +18,9 @@ pc_status pc_spline_findings_make(pc_spline_findings *findings, pc_run *run);
 void pc_spline_findings_free(pc_spline_findings *findings, pc_context *ctx);
 /* Member "spline" of the report's statistics. */
 void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings);
-/* Checks "spline tolerance" and "spline basis". */
-void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline);
+/* Checks "spline tolerance", "control points" (unless `most_points` is 0) and "spline basis". */
+void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline,
+                                pc_index most_points);
 
 /* surface.step, cage.obj (control mesh for modelling programs), surface.hdf (triangles, with the distance to
  * the scan), and the further formats that the options ask for. PC_E_IO. */

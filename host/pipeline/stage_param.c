@@ -4,7 +4,6 @@
 #include "stage.h"
 #include "user_order.h"
 #include <stdio.h>
-#include <stdlib.h>
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "seed", (int64_t)options->seed);
@@ -46,8 +45,8 @@ static pc_status make(pc_run *run, pc_json *facts) {
     options.seed = run->options->seed;
     options.scheme = (pc_pgp_scheme)run->options->pgp;
     if (run->options->tolerance > 0) { /* a spline can be no better than what it starts from */
-        options.reach = getenv("R") ? atof(getenv("R")) : 0.5;
-        options.floor = getenv("F") ? atof(getenv("F")) : 0.3;
+        options.reach = 0.7;
+        options.floor = 0.4;
     }
     /* Each costs as much as all before it: on a large scan one has to do. */
     if (p->mesh.mesh.face_count > 1000000) options.refinements = 1;

@@ -1,4 +1,5 @@
 /* Spline: a T-spline surface over the quads, within the tolerance of the scan. */
+#include "doublet.h"
 #include "memory.h"
 #include "plan.h"
 #include "spline_store.h"
@@ -16,10 +17,10 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "max_control_points", options->max_control_points);
 }
 
-/* More control points than the scan has vertices would draw its noise. */
+/* More control points than the scan has triangles, about, would draw its noise. */
 static pc_index most_points(const pc_run *run) {
     pc_index asked = run->options->max_control_points;
-    return asked ? asked : run->product.mesh.scan_vertex_count;
+    return asked ? asked : 2 * run->product.mesh.scan_vertex_count;
 }
 
 static void put_facts(pc_json *facts, const pc_held_spline *spline) {
@@ -36,10 +37,23 @@ static void put_facts(pc_json *facts, const pc_held_spline *spline) {
     pc_json_integer(facts, "samples_refused", (int64_t)stats->fit.refused);
 }
 
+/* The quads as a control mesh: no vertex inside may be between two of them only. */
+static pc_status start_surface(pc_run *run) {
+    const pc_tmesh_options making = PC_TMESH_DEFAULTS;
+    pc_polymesh control = {0};
+    pc_index removed;
+    pc_status status = PC_OK;
+    PC_TRY(pc_polymesh_copy(&control, run->ctx, &run->product.quads));
+    PC_TRY(pc_doublets_remove(&control, &removed, run->ctx, true));
+    PC_TRY(pc_tspline_make(&run->product.spline.surface, run->ctx, &control, &making));
+done:
+    pc_polymesh_free(&control, run->ctx);
+    return status;
+}
+
 static pc_status make(pc_run *run, pc_json *facts) {
     const pc_held_mesh *held = &run->product.mesh;
     pc_held_spline *spline = &run->product.spline;
-    const pc_tmesh_options making = PC_TMESH_DEFAULTS;
     pc_adapt_options options = PC_ADAPT_DEFAULTS;
     pc_target target = {0};
     pc_status status = PC_OK;
@@ -48,7 +62,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     spline->tolerance = run->options->tolerance * (run->options->tolerance_relative ? target.diagonal : 1);
     options.tolerance = spline->tolerance;
     options.max_points = most_points(run);
-    PC_TRY(pc_tspline_make(&spline->surface, run->ctx, &run->product.quads, &making));
+    PC_TRY(start_surface(run));
     status = pc_adapt(&spline->surface, &spline->stats, run->ctx, run->device, &target, &options);
     /* The surface that was reached is worth having; the certificate tells what it misses. */
     if (status == PC_E_NOCONV && spline->stats.accuracy.max > 0) {

@@ -89,7 +89,7 @@ static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_co
     for (pc_index v = 0; v < mesh->vertex_count; v++) {
         if (target->adjacency->vertex_half[v] == PC_NONE || nearest[v].place.element == PC_NONE) continue;
         pc_index f = spline->basis.element[nearest[v].place.element].face;
-        if (correspondence && correspondence->face[v] != PC_NONE) f = correspondence->face[v];
+        if (correspondence && correspondence->spot[v].face != PC_NONE) f = correspondence->spot[v].face;
         used++;
         accuracy->scan_mean += nearest[v].distance;
         accuracy->scan_max = fmax(accuracy->scan_max, nearest[v].distance);

@@ -24,14 +24,24 @@ done:
     return status;
 }
 
+/* A face shorter than the tolerance cannot be off for want of control points. */
+static bool is_small(const pc_tspline *spline, pc_index f, double least) {
+    const double *size = spline->mesh.face[f].size;
+    pc_vec3 corner[4];
+    for (int k = 0; k < 4; k++)
+        corner[k] = pc_tspline_point(
+            spline, pc_tspline_place(spline, f, k == 1 || k == 2 ? size[0] : 0, k > 1 ? size[1] : 0));
+    return fmin(pc_distance(corner[0], corner[2]), pc_distance(corner[1], corner[3])) < least;
+}
+
 /* Faces over the limit, and which way to halve them. */
 static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_error *error, double limit,
-                       double anisotropy) {
+                       double least, double anisotropy) {
     pc_index chosen = 0;
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
         const double *change = error[f].change;
         wish[f] = 0;
-        if (!(error[f].max > limit)) continue;
+        if (!(error[f].max > limit) || is_small(spline, f, least)) continue;
         wish[f] = change[0] > anisotropy * change[1]   ? PC_HALVE_S
                   : change[1] > anisotropy * change[0] ? PC_HALVE_T
                                                        : PC_HALVE_S | PC_HALVE_T;
@@ -40,52 +50,99 @@ static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_er
     return chosen;
 }
 
+/* An adaptation under way, and the best surface so far. */
+typedef struct adapting {
+    pc_tspline *spline;
+    pc_adapt_stats *stats;
+    const pc_target *target;
+    const pc_adapt_options *options;
+    pc_correspondence correspondence;
+    pc_face_error *error; /* per face of the present mesh */
+    pc_tspline best;
+    pc_adapt_stats best_stats;
+    int vain; /* rounds since then */
+} adapting;
+
+static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
+    pc_status status = PC_OK;
+    pc_adapt_stats *stats = a->stats;
+    pc_accuracy *accuracy = &stats->accuracy;
+    PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->correspondence, &a->options->fit));
+    pc_free(ctx, a->error), a->error = NULL;
+    PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
+    PC_TRY(pc_correspondence_follow(&a->correspondence, ctx, a->spline, a->target));
+    PC_TRY(pc_accuracy_measure(accuracy, a->error, ctx, a->spline, a->target, &a->correspondence,
+                               a->options->per_side));
+    if (stats->rounds == 0) stats->first_max = accuracy->max;
+    pc_log(ctx, PC_LOG_DEBUG,
+           "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
+           "%zu samples, %zu refused, %u triangles torn",
+           a->spline->mesh.vertex_count, stats->junctions, accuracy->scan_max, accuracy->surface_max,
+           accuracy->scan_mean, stats->fit.samples, stats->fit.refused, a->correspondence.torn_triangles);
+done:
+    return status;
+}
+
+static bool is_within_budget(const adapting *a) {
+    return !a->options->max_points || a->spline->mesh.vertex_count <= a->options->max_points;
+}
+
+/* Keeps the surface where none was nearer. */
+static pc_status remember(adapting *a, pc_context *ctx) {
+    a->vain++;
+    if (a->best.position && !(a->stats->accuracy.max < a->best_stats.accuracy.max)) return PC_OK;
+    pc_tspline_free(&a->best, ctx);
+    a->best_stats = *a->stats;
+    a->vain = 0;
+    return pc_tspline_copy(&a->best, ctx, a->spline);
+}
+
+/* False where there is nothing to refine, or that would take more control points than allowed. */
+static pc_status refine(bool *done, adapting *a, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_adapt_options *options = a->options;
+    pc_closure_stats closed;
+    uint8_t *wish = NULL;
+    double limit;
+    *done = false;
+    PC_TRY(pc_new(&wish, ctx, a->spline->mesh.face_count));
+    PC_TRY(threshold(&limit, ctx, a->error, a->spline->mesh.face_count, options));
+    if (!choose(wish, a->spline, a->error, limit, options->tolerance, options->anisotropy)) goto done;
+    PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
+    a->stats->junctions = closed.junctions;
+    PC_TRY(pc_correspondence_carry(&a->correspondence, ctx, &a->spline->mesh));
+    *done = is_within_budget(a);
+done:
+    pc_free(ctx, wish);
+    return status;
+}
+
+static pc_status go_back(adapting *a, pc_context *ctx) {
+    pc_tspline_free(a->spline, ctx);
+    *a->spline = a->best, a->best = (pc_tspline){0};
+    *a->stats = a->best_stats;
+    return pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
+                   a->spline->mesh.vertex_count, a->stats->accuracy.max, a->options->tolerance);
+}
+
 pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, pc_device *device,
                    const pc_target *target, const pc_adapt_options *options) {
     pc_status status = PC_OK;
-    pc_fit_options fit = options->fit;
-    pc_face_error *error = NULL;
-    pc_correspondence correspondence = {0};
-    uint8_t *wish = NULL;
-    double least = INFINITY;
-    int vain = 0;
+    adapting a = {.spline = spline, .stats = stats, .target = target, .options = options};
     *stats = (pc_adapt_stats){.first_points = spline->mesh.vertex_count};
-    PC_TRY(pc_correspondence_make(&correspondence, ctx, spline, target, true));
-    for (stats->rounds = 0;; stats->rounds++) {
-        pc_closure_stats closed;
-        double limit;
-        PC_TRY(pc_fit(spline, &stats->fit, ctx, device, target, &correspondence, &fit));
-        PC_TRY(pc_new(&error, ctx, spline->mesh.face_count));
-        PC_TRY(pc_correspondence_follow(&correspondence, ctx, spline, target));
-        PC_TRY(pc_accuracy_measure(&stats->accuracy, error, ctx, spline, target, &correspondence,
-                                   options->per_side));
-        if (stats->rounds == 0) stats->first_max = stats->accuracy.max;
-        pc_log(ctx, PC_LOG_DEBUG,
-               "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
-               "%zu samples, %zu refused, %u triangles torn",
-               spline->mesh.vertex_count, stats->junctions, stats->accuracy.scan_max,
-               stats->accuracy.surface_max, stats->accuracy.scan_mean, stats->fit.samples, stats->fit.refused,
-               correspondence.torn_triangles);
-        if (stats->accuracy.max <= options->tolerance || stats->rounds == options->max_rounds) break;
-        vain = stats->accuracy.max < least ? 0 : vain + 1;
-        least = fmin(least, stats->accuracy.max);
-        if (vain == options->patience) break;
-        if (options->max_points && spline->mesh.vertex_count >= options->max_points) break;
-        PC_TRY(pc_new(&wish, ctx, spline->mesh.face_count));
-        PC_TRY(threshold(&limit, ctx, error, spline->mesh.face_count, options));
-        if (!choose(wish, spline, error, limit, options->anisotropy)) break;
-        PC_TRY(pc_insertion_refine(spline, &closed, ctx, wish));
-        stats->junctions = closed.junctions;
-        PC_TRY(pc_correspondence_carry(&correspondence, ctx, &spline->mesh));
-        pc_free(ctx, error), error = NULL;
-        pc_free(ctx, wish), wish = NULL;
+    PC_TRY(pc_correspondence_make(&a.correspondence, ctx, spline, target, true));
+    for (bool more = true; more; stats->rounds++) {
+        PC_TRY(fit(&a, ctx, device));
+        if (stats->accuracy.max <= options->tolerance) goto done;
+        PC_TRY(remember(&a, ctx));
+        if (stats->rounds == options->max_rounds || a.vain == options->patience || !is_within_budget(&a))
+            break;
+        PC_TRY(refine(&more, &a, ctx));
     }
-    if (stats->accuracy.max > options->tolerance)
-        status = pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
-                         spline->mesh.vertex_count, stats->accuracy.max, options->tolerance);
+    status = go_back(&a, ctx);
 done:
-    pc_correspondence_free(&correspondence, ctx);
-    pc_free(ctx, error);
-    pc_free(ctx, wish);
+    pc_correspondence_free(&a.correspondence, ctx);
+    pc_tspline_free(&a.best, ctx);
+    pc_free(ctx, a.error);
     return status;
 }

@@ -31,8 +31,8 @@ typedef struct pc_adapt_stats {
 
 /* The control points of `spline` lie on the scan at first. PC_E_NOCONV, with the reached error in the message
  * and in `stats`, where the tolerance is not reached: within the budget, or because several rounds in a row
- * made nothing better (noise above the tolerance, a fold of the control mesh). `spline` is then the surface
- * that `stats` is about. */
+ * made nothing better (noise above the tolerance, a fold of the control mesh). `spline` is then the nearest
+ * surface of all rounds, and `stats` is about it. The first one is fitted whatever the budget. */
 pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, pc_device *device,
                    const pc_target *target, const pc_adapt_options *options);
 

@@ -16,14 +16,14 @@ typedef struct following {
 } following;
 
 pc_surface_place pc_correspondence_place(const pc_correspondence *c, const pc_tspline *spline, pc_index v) {
-    if (c->face[v] == PC_NONE) return (pc_surface_place){PC_NONE, 0, 0};
-    return pc_tspline_place(spline, c->face[v], c->at[2 * (size_t)v], c->at[2 * (size_t)v + 1]);
+    if (c->spot[v].face == PC_NONE) return (pc_surface_place){PC_NONE, 0, 0};
+    return pc_tspline_place(spline, c->spot[v].face, c->spot[v].at[0], c->spot[v].at[1]);
 }
 
 static void put_place(following *f, pc_index v, pc_surface_place place) {
-    f->c->face[v] = f->spline->basis.element[place.element].face;
-    f->c->at[2 * (size_t)v] = place.s;
-    f->c->at[2 * (size_t)v + 1] = place.t;
+    f->c->spot[v].face = f->spline->basis.element[place.element].face;
+    f->c->spot[v].at[0] = place.s;
+    f->c->spot[v].at[1] = place.t;
     pc_surface_point x = pc_tspline_evaluate(f->spline, place);
     pc_vec3_put(f->image, v, x.p);
     pc_vec3_put(f->normal, v, pc_unit(pc_cross(x.s, x.t)));
@@ -39,11 +39,22 @@ static void approach(following *f) {
     }
 }
 
+/* The triangle runs the wrong way round in the parameters too, which fold less than the surface. */
+static bool is_flipped(const following *f, const pc_index v[3]) {
+    const pc_spot *spot = f->c->spot;
+    double a[2], b[2];
+    if (!pc_chart_between(a, &f->spline->mesh, spot + v[0], spot + v[1]) ||
+        !pc_chart_between(b, &f->spline->mesh, spot + v[0], spot + v[2]))
+        return true;
+    return !(a[0] * b[1] - a[1] * b[0] >= 0);
+}
+
 /* The image of triangle t is upside down, or its longest side is out of proportion. */
 static bool is_torn(const following *f, pc_index t) {
     const double most_stretch = 6;
     const pc_index *v = f->mesh->triangle + 3 * (size_t)t;
-    if (f->c->face[v[0]] == PC_NONE || f->c->face[v[1]] == PC_NONE || f->c->face[v[2]] == PC_NONE)
+    if (f->c->spot[v[0]].face == PC_NONE || f->c->spot[v[1]].face == PC_NONE ||
+        f->c->spot[v[2]].face == PC_NONE)
         return false;
     pc_vec3 x[3], q[3], n = {0, 0, 0};
     double longest = 0, image = 0;
@@ -57,7 +68,7 @@ static bool is_torn(const following *f, pc_index t) {
         image = fmax(image, pc_distance(q[k], q[(k + 1) % 3]));
     }
     pc_vec3 area = pc_cross(pc_sub(q[1], q[0]), pc_sub(q[2], q[0]));
-    return pc_dot(area, n) < -1e-6 * image * image || image > most_stretch * longest;
+    return image > most_stretch * longest || (pc_dot(area, n) < -1e-6 * image * image && is_flipped(f, v));
 }
 
 /* Marks the corners of torn triangles; counts these. */
@@ -74,7 +85,7 @@ static pc_index find_torn(following *f) {
 }
 
 static void loosen(following *f, pc_index v) {
-    if (f->is_loose[v] || f->c->face[v] == PC_NONE || f->adjacency->vertex_boundary[v]) return;
+    if (f->is_loose[v] || f->c->spot[v].face == PC_NONE || f->adjacency->vertex_boundary[v]) return;
     f->is_loose[v] = 1;
     f->loose[f->loose_count++] = v;
 }
@@ -137,7 +148,7 @@ static void lay_membrane(following *f) {
             if (waits[v] != 1) continue;
             do {
                 pc_index w = f->mesh->triangle[pc_next(h)];
-                if (waits[w] != 1 && f->c->face[w] != PC_NONE) from = w;
+                if (waits[w] != 1 && f->c->spot[w].face != PC_NONE) from = w;
                 h = pc_turn_ccw(f->adjacency, h);
             } while (from == PC_NONE && h != first && h != PC_NONE);
             if (from == PC_NONE) continue;
@@ -171,7 +182,7 @@ static void spread(following *f, int sweeps) {
 /* Vertices on the wrong sheet: the surface faces the other way there. */
 static void mark_opposed(following *f, const double *normal) {
     for (pc_index v = 0; v < f->c->count; v++)
-        if (f->c->face[v] != PC_NONE && pc_dot(pc_vec3_at(f->normal, v), pc_vec3_at(normal, v)) < 0)
+        if (f->c->spot[v].face != PC_NONE && pc_dot(pc_vec3_at(f->normal, v), pc_vec3_at(normal, v)) < 0)
             f->c->torn[v] = 1;
 }
 
@@ -226,15 +237,15 @@ static void find_nearest(pc_correspondence *c, const pc_tspline *spline, const p
     for (pc_index i = 0; i < chunks; i++) {
         pc_index hint = PC_NONE;
         for (pc_index v = i * CHUNK; v < (i + 1) * CHUNK && v < c->count; v++) {
-            c->face[v] = PC_NONE;
+            c->spot[v].face = PC_NONE;
             if (target->adjacency->vertex_half[v] == PC_NONE) continue;
             pc_bvh_hit hit = pc_bvh_closest(&facets->tree, pc_vec3_at(target->mesh->position, v), hint);
             hint = hit.face;
             if (hit.face == PC_NONE) continue;
             pc_surface_place place = pc_facets_place(facets, hit.face, hit.weight);
-            c->face[v] = spline->basis.element[place.element].face;
-            c->at[2 * (size_t)v] = place.s;
-            c->at[2 * (size_t)v + 1] = place.t;
+            c->spot[v].face = spline->basis.element[place.element].face;
+            c->spot[v].at[0] = place.s;
+            c->spot[v].at[1] = place.t;
         }
     }
 }
@@ -245,8 +256,7 @@ pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc
     pc_status status = PC_OK;
     pc_facets facets = {0};
     *c = (pc_correspondence){.count = target->mesh->vertex_count};
-    PC_TRY(pc_new(&c->face, ctx, c->count));
-    PC_TRY(pc_new(&c->at, ctx, 2 * (size_t)c->count));
+    PC_TRY(pc_new(&c->spot, ctx, c->count));
     PC_TRY(pc_new(&c->torn, ctx, c->count));
     PC_TRY(pc_facets_make(&facets, ctx, spline, PER_SIDE, flat));
     find_nearest(c, spline, target, &facets);
@@ -258,8 +268,7 @@ done:
 }
 
 void pc_correspondence_free(pc_correspondence *c, pc_context *ctx) {
-    pc_free(ctx, c->face);
-    pc_free(ctx, c->at);
+    pc_free(ctx, c->spot);
     pc_free(ctx, c->torn);
     *c = (pc_correspondence){0};
 }
@@ -294,11 +303,11 @@ pc_status pc_correspondence_carry(pc_correspondence *c, pc_context *ctx, const p
     for (pc_index f = 0; f < refined->face_count; f++)
         part[start[refined->face[f].root + 1]++] = f;
     for (pc_index v = 0; v < c->count; v++) {
-        if (c->face[v] == PC_NONE) continue;
-        size_t first = start[c->face[v]];
-        double *at = c->at + 2 * (size_t)v;
-        pc_index f = find_part(refined, part + first, start[c->face[v] + 1] - first, at);
-        c->face[v] = f;
+        if (c->spot[v].face == PC_NONE) continue;
+        size_t first = start[c->spot[v].face];
+        double *at = c->spot[v].at;
+        pc_index f = find_part(refined, part + first, start[c->spot[v].face + 1] - first, at);
+        c->spot[v].face = f;
         for (int k = 0; k < 2; k++)
             at[k] -= refined->face[f].origin[k];
     }

@@ -5,13 +5,13 @@
 #ifndef PC_CORRESPONDENCE_H
 #define PC_CORRESPONDENCE_H
 
+#include "chart.h"
 #include "target.h"
 
 typedef struct pc_correspondence {
     pc_index count;
-    pc_index *face; /* of the T-mesh, PC_NONE for vertices of no triangle */
-    double *at;     /* 2 each: parameters in the frame of the face */
-    uint8_t *torn;  /* a triangle of the vertex runs the wrong way round, or is stretched beyond belief */
+    pc_spot *spot; /* on the T-mesh; face PC_NONE for vertices of no triangle */
+    uint8_t *torn; /* a triangle of the vertex runs the wrong way round, or is stretched beyond belief */
     pc_index torn_triangles;
 } pc_correspondence;
 

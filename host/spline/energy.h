@@ -1,8 +1,16 @@
-/* What a fit minimises, as a linear system for the control points: the weighted squares of the distances to
- * samples, and the bending of thin plates (digest C38, C39). */
+/* What a fit minimises, as a linear system for the moves of its free control points: the weighted squares of
+ * the distances to samples, and the bending of thin plates (digest C38, C39).
+ *
+ *   sum of weight |S(place) - target|^2 + fairness * sum over faces of the integral over [0,1]^2 of
+ *   |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2,   u and v running from 0 to 1 across each face.
+ *
+ * Both terms scale with the square of the model's size, so that the fairness has no unit. On an element the
+ * first needs only 49 sums over its samples, because products of two Bernstein polynomials of degree 3 are
+ * multiples of those of degree 6. */
 #ifndef PC_ENERGY_H
 #define PC_ENERGY_H
 
+#include "device.h"
 #include "system.h"
 #include "tspline.h"
 
@@ -13,15 +21,70 @@ typedef struct pc_sample {
     double weight;
 } pc_sample;
 
-/* The matrix and three right-hand sides (3 x vertex_count, coordinate by coordinate) of
- *   sum of weight |S(place) - target|^2 + fairness * sum over faces of the integral over [0,1]^2 of
- *   |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2, u and v running from 0 to 1 across each face.
- * Both terms scale with the square of the model's size, so that the fairness has no unit. `stiffness` (per
- * element, or NULL for 1) multiplies the second. Vertices without a
- * function on the surface keep their position. `samples` are sorted by element. The same bytes for any number
- * of threads. PC_E_NOMEM; PC_E_MESH where there are too many couplings. */
-pc_status pc_energy_assemble(pc_system *system, double **right, pc_context *ctx, const pc_tspline *spline,
-                             const pc_sample *samples, size_t count, double fairness,
-                             const double *stiffness);
+/* What is known of one element: sums over its samples, u and v from 0 to 1 across it, v' = 1-v.
+ * The layout of kernels/fit.cl. */
+enum {
+    PC_LOCAL_MOMENT = 0,   /* 49, I + 7J: of weight u^I u'^(6-I) v^J v'^(6-J) */
+    PC_LOCAL_PULL = 49,    /* 48: minus half the energy's gradient by the Bezier points, as in pc_tspline */
+    PC_LOCAL_BENDING = 97, /* 3: factors of the bending's three terms */
+    PC_LOCAL_SIZE = 100
+};
+
+/* A system whose graph stays while samples and control points change. */
+typedef struct pc_energy {
+    const pc_tspline *spline; /* borrowed; its mesh and basis do not change */
+    pc_index row_count;       /* free control points that have a function on the surface */
+    pc_index *vertex;         /* per row, ascending */
+    pc_index *row;            /* per vertex; PC_NONE where it stays where it is */
+    pc_index element_count;   /* those under the functions of the rows */
+    pc_index *element;        /* ascending */
+    pc_index *local;          /* per element of the basis: its place in `element`, or PC_NONE */
+    size_t *start;            /* per row: its uses */
+    size_t *use;              /* places in basis->point, ascending in a row */
+    pc_index *use_element;    /* per use, place in `element` */
+    size_t *slot_start;       /* per row: its slots */
+    uint16_t *slot;   /* per use and function on its element: which entry of the row; one of the two below */
+    double plate[48]; /* integrals of products of Bernstein polynomials, of their first and second
+                         derivatives */
+    pc_system system;
+    double *right; /* 3 per row: x, y, z */
+    double *made;  /* 2 per listed element, as of the last values: weight of its samples, stiffness */
+    double *tally; /* 3 per listed element: sum of weight |S - target|^2, of the weights; bending */
+} pc_energy;
+enum { PC_SLOT_DIAGONAL = 0xfffe, PC_SLOT_FIXED = 0xffff };
+
+/* What one filling found. */
+typedef struct pc_energy_facts {
+    double square; /* sum of weight |S - target|^2 over the samples used, before they move anything */
+    double weight;
+    double bending; /* fairness times the bending */
+} pc_energy_facts;
+
+/* The graph. `free` tells which control points may move (per vertex, not 0; NULL: all). PC_E_NOMEM; PC_E_MESH
+ * where there are too many couplings. */
+pc_status pc_energy_make(pc_energy *energy, pc_context *ctx, const pc_tspline *spline, const uint8_t *free);
+/* Values and right-hand sides for the moves from where the control points are; spline->bezier is up to date.
+ * `samples` are sorted by element; those on elements that nothing free reaches are skipped. `stiffness` (per
+ * element of the basis, or NULL for 1) multiplies the bending. A row without energy gets the diagonal 1.
+ * Without `values` only the right-hand sides are made, unless an element has got its first samples or a much
+ * higher stiffness since the last values, which would then be far too small. The same bytes for any number of
+ * threads. PC_E_NOMEM, PC_E_DEVICE. */
+pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
+                         const pc_sample *samples, size_t count, double fairness, const double *stiffness,
+                         bool values);
+void pc_energy_free(pc_energy *energy, pc_context *ctx);
+
+/* Inputs of both back ends. */
+typedef struct pc_energy_work {
+    const pc_sample *samples;
+    const size_t *first; /* per element of the basis +1 */
+    const double *stiffness;
+    double fairness;
+    bool values;
+} pc_energy_work;
+/* Local sums and rows by kernels/fit.cl; pc_energy_fill calls it. */
+pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device, const pc_energy_work *work);
+/* The factors of the bending's terms on an element. */
+void pc_energy_bending(double factor[3], const pc_tspline *spline, pc_index e, double fairness);
 
 #endif

@@ -1,5 +1,6 @@
 /* Fits the control points of a T-spline to a scan: least squares with fairing, the correspondence corrected
- * by projection from round to round (digest C38, C39). */
+ * by projection from round to round (digest C38, C39). Every round takes the places as fixed: the matrix is
+ * scalar and the same for three coordinates. On request L-BFGS around that matrix learns how they slide. */
 #ifndef PC_FIT_H
 #define PC_FIT_H
 
@@ -7,23 +8,31 @@
 #include "samples.h"
 
 typedef struct pc_fit_options {
-    double fairness;  /* weight of the bending energy; has no unit */
-    int rounds;       /* of correspondence and fit */
-    int per_side;     /* samples along the side of a face */
-    double tolerance; /* relative residual of the solver */
+    double fairness; /* weight of the bending energy; has no unit */
+    int rounds;      /* of correspondence and fit, at most */
+    int per_side;    /* samples along the side of a face */
+    /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
+    double tolerance;
+    /* Learn from round to round how places slide along, by L-BFGS: fewer control points reach a tolerance,
+     * but parts of the surface that have lost their samples may stray. */
+    bool sliding;
+    double settled;      /* no more rounds once no control point has moved as far as this; model units */
+    const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 1e-5, 3, 5, 1e-8 }
+    { 1e-5, 3, 5, 1e-8, false, 0, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples, refused; /* in the last round */
     pc_index torn;           /* triangles of the scan */
     double rms;              /* distance to the samples before the last solve, weighted */
-    pc_index iterations;     /* of the solver, over all rounds and coordinates */
+    int rounds;
+    pc_index moved;      /* control points that could move */
+    pc_index iterations; /* of the solver, over all rounds */
 } pc_fit_stats;
 
 /* The correspondence is followed before every round but the first. PC_E_NOCONV where the solver does not
- * converge; PC_E_NOMEM. */
+ * converge; PC_E_NOMEM, PC_E_DEVICE. */
 pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
                  const pc_target *target, pc_correspondence *correspondence, const pc_fit_options *options);
 

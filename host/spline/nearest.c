@@ -105,37 +105,44 @@ static int advance(pc_surface_place *place, const pc_element *e, const double st
 
 pc_nearest pc_nearest_from(const pc_tspline *spline, pc_surface_place place, pc_vec3 target) {
     enum { MOST_STEPS = 12 };
+    const double fine = 1e-7,
+                 last = 1e-5; /* of the element: no step, and one after which the next is nothing */
     pc_surface_point x = pc_tspline_evaluate(spline, place);
-    pc_nearest best = {place, x.p, pc_distance(x.p, target)};
+    pc_nearest best = {.place = place, .point = x.p, .distance = pc_distance(x.p, target)};
     double damping = 1;
     int locked = -1;
     for (int i = 0; i < MOST_STEPS && damping > 0.1; i++) {
         double step[2];
         const pc_element *e = spline->basis.element + best.place.element;
-        x = pc_tspline_evaluate(spline, best.place);
         newton_step(step, &x, target, locked);
         step[0] *= damping, step[1] *= damping;
-        double least = 1e-7 * (e->high[0] - e->low[0] + e->high[1] - e->low[1]);
-        if (fabs(step[0]) + fabs(step[1]) < least) break;
+        const double part =
+            (fabs(step[0]) + fabs(step[1])) / (e->high[0] - e->low[0] + e->high[1] - e->low[1]);
+        if (part < fine) break;
         place = best.place;
-        int side = advance(&place, e, step);
-        pc_surface_place beyond;
-        bool stays = place.s == best.place.s && place.t == best.place.t;
-        pc_vec3 p = pc_tspline_point(spline, place);
-        double distance = pc_distance(p, target);
-        if (stays || distance < best.distance) {
-            best = (pc_nearest){place, p, stays ? best.distance : distance};
-            if (side >= 0 && pc_tspline_cross(&beyond, spline, place, side)) {
-                best.place = beyond;
-                locked = -1;
-            } else if (side >= 0) { /* along the border of the surface */
-                if (locked >= 0) break;
-                locked = side == 1 || side == 3 ? 0 : 1;
-            }
-        } else {
+        const int side = advance(&place, e, step);
+        const bool stays = place.s == best.place.s && place.t == best.place.t;
+        const pc_surface_point y = pc_tspline_evaluate(spline, place);
+        const double distance = pc_distance(y.p, target);
+        if (!stays && !(distance < best.distance)) {
             damping /= 2;
+            continue;
+        }
+        x = y;
+        best.place = place, best.point = y.p, best.distance = fmin(distance, best.distance);
+        pc_surface_place beyond;
+        if (side >= 0 && pc_tspline_cross(&beyond, spline, place, side)) {
+            best.place = beyond;
+            locked = -1;
+            x = pc_tspline_evaluate(spline, beyond);
+        } else if (side >= 0) { /* along the border of the surface */
+            if (locked >= 0) break;
+            locked = side == 1 || side == 3 ? 0 : 1;
+        } else if (part < last) {
+            break;
         }
     }
+    best.normal = pc_cross(x.s, x.t);
     return best;
 }
 

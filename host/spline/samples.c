@@ -53,28 +53,42 @@ static size_t cuts_of(const gathering *g, pc_index t) {
     return g->per_side ? (size_t)fmin(fmax(cuts, 1), MOST) : 0;
 }
 
-/* The place between those of three corners: on one face by interpolation, else what is nearest to the
- * interpolated point of the surface. */
-static pc_surface_place place_between(const gathering *g, const pc_index v[3], const double weight[3]) {
-    const pc_correspondence *c = g->correspondence;
-    int most = weight[1] > weight[0] ? 1 : 0;
-    if (weight[2] > weight[most]) most = 2;
-    if (c->face[v[0]] == c->face[v[1]] && c->face[v[0]] == c->face[v[2]]) {
-        double at[2] = {0, 0};
-        for (size_t k = 0; k < 3; k++)
-            for (size_t d = 0; d < 2; d++)
-                at[d] += weight[k] * c->at[2 * (size_t)v[k] + d];
-        return pc_tspline_place(g->spline, c->face[v[0]], at[0], at[1]);
+/* Triangle t laid out in the frame of its first corner. */
+typedef struct outline {
+    const pc_spot *spot; /* of the first corner */
+    double way[3][2];    /* to each corner */
+    bool laid;           /* else corners are too far apart on the T-mesh */
+} outline;
+
+static outline outline_of(const gathering *g, const pc_index v[3]) {
+    const pc_tmesh *mesh = &g->spline->mesh;
+    const pc_spot *spot = g->correspondence->spot;
+    outline o = {.spot = spot + v[0]};
+    o.laid = pc_chart_between(o.way[1], mesh, spot + v[0], spot + v[1]) &&
+             pc_chart_between(o.way[2], mesh, spot + v[0], spot + v[2]);
+    return o;
+}
+
+/* The place between those of the corners; where these are far apart, what is nearest to the interpolated
+ * point of the surface. */
+static pc_surface_place place_between(const gathering *g, const outline *o, const pc_index v[3],
+                                      const double weight[3]) {
+    if (o->laid) {
+        const double way[2] = {weight[1] * o->way[1][0] + weight[2] * o->way[2][0],
+                               weight[1] * o->way[1][1] + weight[2] * o->way[2][1]};
+        pc_spot spot = pc_chart_walk(&g->spline->mesh, o->spot, way);
+        return pc_tspline_place(g->spline, spot.face, spot.at[0], spot.at[1]);
     }
     pc_vec3 image = {0, 0, 0};
     for (int k = 0; k < 3; k++)
         image = pc_madd(image, weight[k], pc_vec3_at(g->image, v[k]));
-    return pc_nearest_from(g->spline, g->raw[v[most]].place, image).place;
+    return pc_nearest_from(g->spline, g->raw[v[0]].place, image).place;
 }
 
 /* The centres of its n x n parts. */
 static void sample_triangle(const gathering *g, pc_index t, size_t n, pc_sample *to) {
     const pc_index *v = g->target->mesh->triangle + 3 * (size_t)t;
+    const outline o = outline_of(g, v);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < 2 * (n - i) - 1; j++) {
             double third = j % 2 ? 2.0 / 3 : 1.0 / 3;
@@ -84,7 +98,7 @@ static void sample_triangle(const gathering *g, pc_index t, size_t n, pc_sample 
             to->target = (pc_vec3){0, 0, 0};
             for (int k = 0; k < 3; k++)
                 to->target = pc_madd(to->target, weight[k], pc_vec3_at(g->target->mesh->position, v[k]));
-            to->place = place_between(g, v, weight);
+            to->place = place_between(g, &o, v, weight);
             to++;
         }
 }
@@ -120,24 +134,23 @@ static int grid_of(const gathering *g, pc_index e) {
     return (int)ceil(part * g->per_side);
 }
 
-/* The triangle that was hit belongs near the place of the surface from which it was looked for, and faces the
- * same way. */
+/* The triangle that was hit belongs near the place of the surface from which it was looked for: near in the
+ * parameters, for where the surface bulges it is far from everything in space. */
 static bool belongs(const gathering *g, const pc_bvh_hit *hit, pc_surface_place place) {
-    const pc_index *t = g->target->mesh->triangle + 3 * (size_t)hit->face;
-    const double *bezier = g->spline->bezier + 48 * (size_t)place.element;
-    pc_vec3 image = {0, 0, 0}, normal = {0, 0, 0};
-    double spread = 0;
+    const pc_tmesh *mesh = &g->spline->mesh;
+    const pc_index *t = g->target->mesh->triangle + 3 * (size_t)hit->face,
+                   face = g->spline->basis.element[place.element].face;
+    const pc_spot here = {face, {place.s, place.t}}, *spot = g->correspondence->spot;
+    const double reach = 6 * fmax(mesh->face[face].size[0], mesh->face[face].size[1]);
+    double way[2], span = 0;
+    int most = hit->weight[1] > hit->weight[0] ? 1 : 0;
+    if (hit->weight[2] > hit->weight[most]) most = 2;
     for (int k = 0; k < 3; k++) {
         if (g->raw[t[k]].place.element == PC_NONE) return false;
-        image = pc_madd(image, hit->weight[k], pc_vec3_at(g->image, t[k]));
-        normal = pc_madd(normal, hit->weight[k], pc_vec3_at(g->target->normal, t[k]));
+        if (k != most && pc_chart_between(way, mesh, spot + t[most], spot + t[k]))
+            span = fmax(span, hypot(way[0], way[1]));
     }
-    for (int k = 0; k < 3; k++)
-        spread = fmax(spread, pc_distance(image, pc_vec3_at(g->image, t[k])));
-    double size = fmax(pc_distance(pc_vec3_at(bezier, 0), pc_vec3_at(bezier, 15)),
-                       pc_distance(pc_vec3_at(bezier, 3), pc_vec3_at(bezier, 12)));
-    pc_surface_point x = pc_tspline_evaluate(g->spline, place);
-    return pc_distance(image, x.p) <= 2 * spread + 0.5 * size && pc_dot(pc_cross(x.s, x.t), normal) > 0;
+    return pc_chart_between(way, mesh, &here, spot + t[most]) && hypot(way[0], way[1]) <= reach + span;
 }
 
 /* A grid of points of the element and their nearest points of the scan. */

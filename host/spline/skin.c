@@ -263,19 +263,22 @@ done:
     return status;
 }
 
-/* All spots on the segment from `from` to `to`, which runs along s or t; without the last. */
-static pc_status add_to_rim(making *m, pc_context *ctx, const double from[2], const double to[2]) {
+/* All spots on the segment from `from` to `to`, which runs along s or t, without the last; inside of an
+ * element there is none but the first. */
+static pc_status add_to_rim(making *m, pc_context *ctx, const double from[2], const double to[2],
+                            bool inside) {
     pc_status status = PC_OK;
     int d = from[0] == to[0];
     size_t first = m->rim_count;
     bool back = to[d] < from[d];
-    for (size_t i = 0; i < m->spot_count; i++) {
-        const double *at = m->spot[i].at;
-        if (at[1 - d] != from[1 - d] || at[d] == to[d]) continue;
-        if (back ? at[d] > from[d] || at[d] < to[d] : at[d] < from[d] || at[d] > to[d]) continue;
+    const spot key = {{from[0], from[1]}, PC_NONE};
+    const spot *found = bsearch(&key, m->spot, m->spot_count, sizeof key, by_place);
+    for (const spot *i = inside ? found : m->spot; i < (inside ? found + 1 : m->spot + m->spot_count); i++) {
+        if (i->at[1 - d] != from[1 - d] || i->at[d] == to[d]) continue;
+        if (back ? i->at[d] > from[d] || i->at[d] < to[d] : i->at[d] < from[d] || i->at[d] > to[d]) continue;
         PC_GROW(m->rim, m->rim_count, m->rim_room, 1);
         if (back) memmove(m->rim + first + 1, m->rim + first, (m->rim_count - first) * sizeof *m->rim);
-        m->rim[back ? first : m->rim_count] = m->spot[i].vertex;
+        m->rim[back ? first : m->rim_count] = i->vertex;
         m->rim_count++;
     }
 done:
@@ -314,7 +317,8 @@ static pc_status fill_element(making *m, pc_context *ctx, pc_index e) {
                 {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}, {low[0], low[1]}};
             m->rim_count = 0;
             for (int k = 0; k < 4; k++)
-                PC_TRY(add_to_rim(m, ctx, corner[k], corner[k + 1]));
+                PC_TRY(add_to_rim(m, ctx, corner[k], corner[k + 1],
+                                  k % 2 ? (k == 1 ? i + 1 < n[0] : i > 0) : (k == 0 ? j > 0 : j + 1 < n[1])));
             PC_TRY(fill_rim(m, ctx, e, low, high));
         }
 done:

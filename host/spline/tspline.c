@@ -62,6 +62,20 @@ done:
     return status;
 }
 
+pc_status pc_tspline_copy(pc_tspline *copy, pc_context *ctx, const pc_tspline *spline) {
+    pc_status status = PC_OK;
+    *copy = (pc_tspline){0};
+    PC_TRY(pc_tmesh_copy(&copy->mesh, ctx, &spline->mesh));
+    PC_TRY(pc_basis_make(&copy->basis, ctx, &copy->mesh));
+    PC_TRY(pc_new(&copy->position, ctx, 3 * (size_t)copy->mesh.vertex_count));
+    PC_TRY(pc_new(&copy->bezier, ctx, 48 * (size_t)copy->basis.element_count));
+    memcpy(copy->position, spline->position, 3 * sizeof(double) * copy->mesh.vertex_count);
+    memcpy(copy->bezier, spline->bezier, 48 * sizeof(double) * copy->basis.element_count);
+done:
+    if (status != PC_OK) pc_tspline_free(copy, ctx);
+    return status;
+}
+
 void pc_tspline_free(pc_tspline *spline, pc_context *ctx) {
     pc_tmesh_free(&spline->mesh, ctx);
     pc_basis_free(&spline->basis, ctx);
@@ -95,29 +109,41 @@ static local localise(const pc_tspline *spline, pc_surface_place place) {
     return l;
 }
 
-static pc_vec3 combine(const double *bezier, const double s[4], const double t[4], double scale) {
-    pc_vec3 p = {0, 0, 0};
-    for (size_t j = 0; j < 4; j++)
-        for (size_t i = 0; i < 4; i++)
-            p = pc_madd(p, s[i] * t[j], pc_vec3_at(bezier, i + 4 * j));
-    return pc_scale(scale, p);
+/* sum over j of b[j] * row[j], times `scale`. */
+static pc_vec3 sum_rows(double row[4][3], const double b[4], double scale) {
+    double p[3];
+    for (int k = 0; k < 3; k++)
+        p[k] = scale * (b[0] * row[0][k] + b[1] * row[1][k] + b[2] * row[2][k] + b[3] * row[3][k]);
+    return (pc_vec3){p[0], p[1], p[2]};
 }
 
 pc_surface_point pc_tspline_evaluate(const pc_tspline *spline, pc_surface_place place) {
     const double *bezier = spline->bezier + 48 * (size_t)place.element;
     local l = localise(spline, place);
     double u = 1 / l.size[0], v = 1 / l.size[1];
-    return (pc_surface_point){.p = combine(bezier, l.b[0][0], l.b[1][0], 1),
-                              .s = combine(bezier, l.b[0][1], l.b[1][0], u),
-                              .t = combine(bezier, l.b[0][0], l.b[1][1], v),
-                              .ss = combine(bezier, l.b[0][2], l.b[1][0], u * u),
-                              .st = combine(bezier, l.b[0][1], l.b[1][1], u * v),
-                              .tt = combine(bezier, l.b[0][0], l.b[1][2], v * v)};
+    double row[3][4][3]; /* derivatives along s on the four rows of Bezier points */
+    for (int d = 0; d < 3; d++)
+        for (int j = 0; j < 4; j++) {
+            const double *b = l.b[0][d], *x = bezier + (size_t)12 * (size_t)j;
+            for (int k = 0; k < 3; k++)
+                row[d][j][k] = b[0] * x[k] + b[1] * x[3 + k] + b[2] * x[6 + k] + b[3] * x[9 + k];
+        }
+    return (pc_surface_point){.p = sum_rows(row[0], l.b[1][0], 1),
+                              .s = sum_rows(row[1], l.b[1][0], u),
+                              .t = sum_rows(row[0], l.b[1][1], v),
+                              .ss = sum_rows(row[2], l.b[1][0], u * u),
+                              .st = sum_rows(row[1], l.b[1][1], u * v),
+                              .tt = sum_rows(row[0], l.b[1][2], v * v)};
 }
 
 pc_vec3 pc_tspline_point(const pc_tspline *spline, pc_surface_place place) {
+    const double *bezier = spline->bezier + 48 * (size_t)place.element;
     local l = localise(spline, place);
-    return combine(spline->bezier + 48 * (size_t)place.element, l.b[0][0], l.b[1][0], 1);
+    pc_vec3 p = {0, 0, 0};
+    for (size_t j = 0; j < 4; j++)
+        for (size_t i = 0; i < 4; i++)
+            p = pc_madd(p, l.b[0][0][i] * l.b[1][0][j], pc_vec3_at(bezier, i + 4 * j));
+    return p;
 }
 
 pc_surface_place pc_tspline_place(const pc_tspline *spline, pc_index face, double s, double t) {

@@ -26,6 +26,7 @@ typedef struct pc_surface_point {
 /* The control points are the vertices of the quads; those of ghosts lie opposite the quads' inner ones. */
 pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh *quads,
                           const pc_tmesh_options *options);
+pc_status pc_tspline_copy(pc_tspline *copy, pc_context *ctx, const pc_tspline *spline);
 void pc_tspline_free(pc_tspline *spline, pc_context *ctx);
 /* Of the mesh and of the basis. */
 pc_status pc_tspline_check(const pc_tspline *spline, pc_basis_facts *facts, pc_context *ctx);

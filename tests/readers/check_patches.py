@@ -1,7 +1,7 @@
 """Evaluates the B-spline patches of G+Smo's XML and of IGES with its own de Boor, and compares with the C evaluator.
 
-Usage: check_patches.py POINTS FILE.xml FILE.igs. POINTS: the diagonal and the number of border sides that the surface
-has or -1, then `patch u v x y z` per line, u and v in 0..1 of the patch. Exit status 77 where NumPy is not installed.
+Usage: check_patches.py POINTS FILE.xml FILE.igs. POINTS: the diagonal and the number of patches' sides on the border of
+the surface, then `patch u v x y z` per line, u and v in 0..1 of the patch. Exit status 77 where NumPy is not installed.
 """
 import sys
 import xml.etree.ElementTree
@@ -12,19 +12,7 @@ except ImportError as missing:
     print(missing)
     sys.exit(77)
 
-
-def de_boor(knots, points, x):
-    """The point at x of the cubic with these knots; `points` along the first axis."""
-    k = 3
-    while k + 5 < len(knots) and x >= knots[k + 1]:
-        k += 1
-    d = [points[k - 3 + i] for i in range(4)]
-    for r in range(1, 4):
-        for j in range(3, r - 1, -1):
-            low, high = knots[k - 3 + j], knots[k + 1 + j - r]
-            a = (x - low) / (high - low)
-            d[j] = (1 - a) * d[j - 1] + a * d[j]
-    return d[3]
+from bspline import de_boor
 
 
 class Patch:
@@ -133,7 +121,7 @@ gap = max((interface_gap(patches, i) for i in interfaces.tolist()), default=0) /
 print(f"gismo: {len(patches)} patches, {len(interfaces)} interfaces within {gap:.2g}, {len(boundary)} border sides, "
       f"points within {worst:.2g}")
 assert worst < 1e-12 and gap < 1e-12
-assert border_sides in (-1, len(boundary))
+assert border_sides == len(boundary)
 sides = np.concatenate([interfaces[:, :2], interfaces[:, 2:4], boundary])
 assert len(np.unique(sides, axis=0)) == len(sides)
 

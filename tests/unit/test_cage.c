@@ -63,8 +63,9 @@ static void limit_is_the_surface(void **state) {
         put_vertices(file, &spline, cases[i].tolerance < 1e-6);
         for (pc_index f = 0; f < spline.mesh.face_count; f++)
             for (int k = 0; k < 16 && !spline.mesh.face[f].ghost; k++) {
+                const int line = k / 4;
                 double s = spline.mesh.face[f].size[0] * (k % 4) / 4;
-                double t = spline.mesh.face[f].size[1] * (k / 4) / 4;
+                double t = spline.mesh.face[f].size[1] * line / 4;
                 put(file, pc_tspline_point(&spline, pc_tspline_place(&spline, f, s, t)), false);
             }
         assert_int_equal(fclose(file), 0);

@@ -49,7 +49,7 @@ static void clean_meshes_stay(void **state) {
         pc_index removed = 7;
         make_shape(&mesh, ctx, kind);
         make_shape(&before, ctx, kind);
-        assert_ok(ctx, pc_doublets_remove(&mesh, &removed, ctx));
+        assert_ok(ctx, pc_doublets_remove(&mesh, &removed, ctx, false));
         assert_int_equal(removed, 0);
         assert_int_equal(mesh.vertex_count, before.vertex_count);
         assert_int_equal(mesh.face_count, before.face_count);
@@ -81,7 +81,7 @@ static void one_doublet_goes(void **state) {
             make_shape(&mesh, ctx, kind);
             put_doublet(&mesh, ctx, f, i % 4);
             is_manifold(ctx, &mesh, shape_chi[kind], i);
-            assert_ok(ctx, pc_doublets_remove(&mesh, &removed, ctx));
+            assert_ok(ctx, pc_doublets_remove(&mesh, &removed, ctx, false));
             is_manifold(ctx, &mesh, shape_chi[kind], i);
             assert_int_equal(removed, !stays);
             assert_int_equal(mesh.face_count, before.face_count + stays);
@@ -114,7 +114,7 @@ static void many_doublets_go(void **state) {
             put_doublet(&mesh, ctx, f, (pc_index)(pc_random_next(&random) % 4));
         }
         is_manifold(ctx, &mesh, shape_chi[kind], seed);
-        assert_ok(ctx, pc_doublets_remove(&mesh, &removed, ctx));
+        assert_ok(ctx, pc_doublets_remove(&mesh, &removed, ctx, false));
         is_manifold(ctx, &mesh, shape_chi[kind], seed);
         assert_ok(ctx, pc_new(&faces, ctx, mesh.vertex_count));
         for (pc_index c = 0; c < 4 * mesh.face_count; c++)

@@ -51,6 +51,8 @@ static char *written(pc_context *ctx, const pc_tspline *spline, const char *path
     assert_int_equal(occurrences(text, "=EDGE_CURVE("), shell.edge_count);
     assert_int_equal(occurrences(text, "=VERTEX_POINT("), shell.vertex_count);
     assert_int_equal(occurrences(text, "=ORIENTED_EDGE("), 2 * shell.edge_count - shell.border_count);
+    assert_int_equal(occurrences(text, "=SURFACE_CURVE("), shell.edge_count);
+    assert_int_equal(occurrences(text, "=PCURVE("), 2 * shell.edge_count - shell.border_count);
     references_resolve(text);
     pc_shell_free(&shell, ctx);
     return text;

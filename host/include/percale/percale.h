@@ -16,6 +16,8 @@ extern "C" {
 #endif
 
 #include "adapt.h"
+#include "bext.h"
+#include "cage.h"
 #include "certificate.h"
 #include "continuity.h"
 #include "curl.h"
@@ -24,9 +26,13 @@ extern "C" {
 #include "differential.h"
 #include "field.h"
 #include "geometry.h"
+#include "gismo.h"
+#include "iga.h"
+#include "iges.h"
 #include "insertion.h"
 #include "inspect.h"
 #include "layout.h"
+#include "measure.h"
 #include "memory.h"
 #include "nearest.h"
 #include "order.h"

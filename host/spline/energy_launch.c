@@ -1,0 +1,270 @@
+#include "energy.h"
+#include "launch.h"
+#include "memory.h"
+#include <string.h>
+
+extern const char pc_kernel_fit[];
+
+/* Doubles of a sample, and the mark of irregular elements, as in fit.cl. */
+enum { SAMPLE = 6 };
+static const uint32_t irregular_mark = 0x80000000u;
+
+/* Rows [from,to) and the elements that they need, so few that every array fits the device's buffers. */
+typedef struct part {
+    pc_index from, to;
+    pc_index element_count;
+    pc_index *element; /* places in the energy's list, ascending */
+    size_t sample_count, coefficient_count;
+    uint32_t *local; /* per element of the energy's list: place in `element`; PC_NONE */
+} part;
+
+static size_t coefficients_of(const pc_basis *basis, pc_index e) {
+    return (basis->start[e + 1] - basis->start[e]) * (basis->element[e].irregular ? 16 : 8);
+}
+
+static size_t largest(const size_t *bytes, size_t count) {
+    size_t most = 0;
+    for (size_t k = 0; k < count; k++)
+        most = bytes[k] > most ? bytes[k] : most;
+    return most;
+}
+
+/* The rows from part->from on that fit, one at least; p->local tells the elements by their part's number. */
+static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *work, size_t cap) {
+    const pc_basis *basis = &energy->spline->basis;
+    p->element_count = 0, p->sample_count = p->coefficient_count = 0;
+    memset(p->local, 0xff, energy->element_count * sizeof *p->local);
+    for (p->to = p->from; p->to < energy->row_count; p->to++) {
+        size_t elements = p->element_count, samples = p->sample_count, coefficients = p->coefficient_count;
+        for (size_t u = energy->start[p->to]; u < energy->start[p->to + 1]; u++) {
+            const pc_index i = energy->use_element[u], e = energy->element[i];
+            if (p->local[i] != PC_NONE) continue;
+            p->local[i] = 0;
+            p->element[elements++] = i;
+            samples += work->first[e + 1] - work->first[e];
+            coefficients += coefficients_of(basis, e);
+        }
+        const size_t bytes[] = {
+            elements * PC_LOCAL_SIZE * sizeof(double), samples * SAMPLE * sizeof(double),
+            coefficients * sizeof(double),
+            (energy->slot_start[p->to + 1] - energy->slot_start[p->from]) * sizeof(uint16_t),
+            (energy->system.start[p->to + 1] - energy->system.start[p->from]) * sizeof(double)};
+        if (p->to > p->from && largest(bytes, sizeof bytes / sizeof *bytes) > cap) {
+            for (size_t k = p->element_count; k < elements; k++)
+                p->local[p->element[k]] = PC_NONE;
+            break;
+        }
+        p->element_count = (pc_index)elements;
+        p->sample_count = samples, p->coefficient_count = coefficients;
+    }
+    pc_index count = 0;
+    for (pc_index i = 0; i < energy->element_count; i++)
+        if (p->local[i] != PC_NONE) {
+            p->local[i] = count;
+            p->element[count++] = i;
+        }
+}
+
+typedef struct buffers {
+    pc_buffer *local, *tally, *first, *sample, *bezier, *bending, *plate;
+    pc_buffer *value, *diagonal, *right, *start, *use_start, *use, *use_element, *slot_start, *slot;
+    pc_buffer *functions, *coefficient_start, *coefficient;
+} buffers;
+
+static void free_buffers(buffers *b, pc_context *ctx) {
+    pc_buffer *all[] = {
+        b->local,      b->tally,       b->first,      b->sample, b->bezier,    b->bending,
+        b->plate,      b->value,       b->diagonal,   b->right,  b->start,     b->use,
+        b->use_start,  b->use_element, b->slot_start, b->slot,   b->functions, b->coefficient_start,
+        b->coefficient};
+    for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
+        pc_buffer_free(all[k], ctx);
+    *b = (buffers){0};
+}
+
+static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, const pc_energy *energy,
+                                const pc_energy_work *work, const part *p) {
+    pc_status status = PC_OK;
+    const pc_tspline *spline = energy->spline;
+    uint32_t *first = NULL;
+    double *sample = NULL, *bezier = NULL, *bending = NULL;
+    PC_TRY(pc_new(&first, ctx, (size_t)p->element_count + 1));
+    PC_TRY(pc_new(&sample, ctx, SAMPLE * p->sample_count));
+    PC_TRY(pc_new(&bezier, ctx, 48 * (size_t)p->element_count));
+    PC_TRY(pc_new(&bending, ctx, 3 * (size_t)p->element_count));
+    for (pc_index k = 0; k < p->element_count; k++) {
+        const pc_index e = energy->element[p->element[k]];
+        first[k + 1] = first[k] + (uint32_t)(work->first[e + 1] - work->first[e]);
+    }
+#pragma omp parallel for schedule(static)
+    for (pc_index k = 0; k < p->element_count; k++) {
+        const pc_index e = energy->element[p->element[k]];
+        const pc_element *element = spline->basis.element + e;
+        double *to = sample + SAMPLE * (size_t)first[k];
+        for (size_t i = work->first[e]; i < work->first[e + 1]; i++, to += SAMPLE) {
+            const pc_sample *s = work->samples + i;
+            to[0] = (s->place.s - element->low[0]) / (element->high[0] - element->low[0]);
+            to[1] = (s->place.t - element->low[1]) / (element->high[1] - element->low[1]);
+            to[2] = s->target.x, to[3] = s->target.y, to[4] = s->target.z;
+            to[5] = s->weight;
+        }
+        memcpy(bezier + 48 * (size_t)k, spline->bezier + 48 * (size_t)e, 48 * sizeof *bezier);
+        pc_energy_bending(bending + 3 * (size_t)k, spline, e,
+                          work->stiffness ? work->stiffness[e] * work->fairness : work->fairness);
+    }
+    const size_t n = p->element_count;
+    PC_TRY(pc_buffer_from(&b->first, ctx, device, first, (n + 1) * sizeof *first));
+    PC_TRY(pc_buffer_from(&b->sample, ctx, device, sample, SAMPLE * p->sample_count * sizeof *sample));
+    PC_TRY(pc_buffer_from(&b->bezier, ctx, device, bezier, 48 * n * sizeof *bezier));
+    PC_TRY(pc_buffer_from(&b->bending, ctx, device, bending, 3 * n * sizeof *bending));
+    PC_TRY(pc_buffer_make(&b->local, ctx, device, PC_LOCAL_SIZE * n * sizeof(double)));
+    PC_TRY(pc_buffer_make(&b->tally, ctx, device, 3 * n * sizeof(double)));
+done:
+    pc_free(ctx, first);
+    pc_free(ctx, sample);
+    pc_free(ctx, bezier);
+    pc_free(ctx, bending);
+    return status;
+}
+
+static pc_status upload_functions(buffers *b, pc_context *ctx, pc_device *device, const pc_energy *energy,
+                                  const part *p) {
+    pc_status status = PC_OK;
+    const pc_basis *basis = &energy->spline->basis;
+    const size_t n = p->element_count;
+    uint32_t *functions = NULL, *start = NULL;
+    double *coefficient = NULL;
+    PC_TRY(pc_new(&functions, ctx, n));
+    PC_TRY(pc_new(&start, ctx, n + 1));
+    PC_TRY(pc_new(&coefficient, ctx, p->coefficient_count));
+    for (size_t k = 0; k < n; k++)
+        start[k + 1] = start[k] + (uint32_t)coefficients_of(basis, energy->element[p->element[k]]);
+#pragma omp parallel for schedule(static)
+    for (size_t k = 0; k < n; k++) {
+        const pc_index e = energy->element[p->element[k]];
+        const pc_element *element = basis->element + e;
+        functions[k] = (uint32_t)(basis->start[e + 1] - basis->start[e]);
+        if (element->irregular) functions[k] |= irregular_mark;
+        memcpy(coefficient + start[k], basis->coefficient + element->coefficient,
+               (start[k + 1] - start[k]) * sizeof *coefficient);
+    }
+    PC_TRY(pc_buffer_from(&b->functions, ctx, device, functions, n * sizeof *functions));
+    PC_TRY(pc_buffer_from(&b->coefficient_start, ctx, device, start, n * sizeof *start));
+    PC_TRY(pc_buffer_from(&b->coefficient, ctx, device, coefficient,
+                          p->coefficient_count * sizeof *coefficient));
+done:
+    pc_free(ctx, functions);
+    pc_free(ctx, start);
+    pc_free(ctx, coefficient);
+    return status;
+}
+
+static pc_status upload_rows(buffers *b, pc_context *ctx, pc_device *device, const pc_energy *energy,
+                             const part *p) {
+    pc_status status = PC_OK;
+    const size_t rows = p->to - p->from, first_use = energy->start[p->from];
+    const size_t uses = energy->start[p->to] - first_use, first_slot = energy->slot_start[p->from];
+    const pc_index first_value = energy->system.start[p->from];
+    const size_t values = energy->system.start[p->to] - first_value;
+    uint32_t *start[3] = {NULL, NULL, NULL}, *use = NULL, *use_element = NULL;
+    pc_buffer **to[3] = {&b->start, &b->use_start, &b->slot_start};
+    for (int k = 0; k < 3; k++)
+        PC_TRY(pc_new(&start[k], ctx, rows + 1));
+    PC_TRY(pc_new(&use, ctx, uses));
+    PC_TRY(pc_new(&use_element, ctx, uses));
+    for (size_t r = 0; r <= rows; r++) {
+        start[0][r] = energy->system.start[p->from + r] - first_value;
+        start[1][r] = (uint32_t)(energy->start[p->from + r] - first_use);
+        start[2][r] = (uint32_t)(energy->slot_start[p->from + r] - first_slot);
+    }
+    for (size_t u = 0; u < uses; u++) {
+        const pc_index i = energy->use_element[first_use + u];
+        use[u] = (uint32_t)(energy->use[first_use + u] - energy->spline->basis.start[energy->element[i]]);
+        use_element[u] = p->local[i];
+    }
+    for (int k = 0; k < 3; k++)
+        PC_TRY(pc_buffer_from(to[k], ctx, device, start[k], (rows + 1) * sizeof(uint32_t)));
+    PC_TRY(pc_buffer_from(&b->use, ctx, device, use, uses * sizeof *use));
+    PC_TRY(pc_buffer_from(&b->use_element, ctx, device, use_element, uses * sizeof *use_element));
+    PC_TRY(pc_buffer_from(&b->slot, ctx, device, energy->slot + first_slot,
+                          (energy->slot_start[p->to] - first_slot) * sizeof *energy->slot));
+    PC_TRY(pc_buffer_make(&b->value, ctx, device, values * sizeof(double)));
+    PC_TRY(pc_buffer_make(&b->diagonal, ctx, device, rows * sizeof(double)));
+    PC_TRY(pc_buffer_make(&b->right, ctx, device, 3 * rows * sizeof(double)));
+done:
+    for (int k = 0; k < 3; k++)
+        pc_free(ctx, start[k]);
+    pc_free(ctx, use);
+    pc_free(ctx, use_element);
+    return status;
+}
+
+static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p, bool values) {
+    pc_status status = PC_OK;
+    pc_kernel *local = NULL, *rows = NULL;
+    const uint32_t chunk = pc_device_shape(device) == PC_SHAPE_CHUNK ? 32 : 1;
+    const uint32_t row_count = p->to - p->from;
+    PC_TRY(pc_kernel_get(&local, ctx, device, pc_kernel_fit, "fit_local"));
+    PC_TRY(pc_kernel_get(&rows, ctx, device, pc_kernel_fit, "fit_rows"));
+    PC_TRY(pc_kernel_run(ctx, local, (p->element_count + chunk - 1) / chunk, 0,
+                         8.0 * (SAMPLE * (double)p->sample_count + (48.0 + PC_LOCAL_SIZE) * p->element_count),
+                         PC_ARGS(PC_BUF(b->local), PC_BUF(b->tally), PC_BUF(b->first), PC_BUF(b->sample),
+                                 PC_BUF(b->bezier), PC_BUF(b->bending), PC_BUF(b->plate),
+                                 PC_U32(p->element_count), PC_U32(chunk), PC_U32(values))));
+    PC_TRY(pc_kernel_run(ctx, rows, (row_count + chunk - 1) / chunk, 0,
+                         8.0 * ((double)p->coefficient_count + PC_LOCAL_SIZE * (double)p->element_count),
+                         PC_ARGS(PC_BUF(b->value), PC_BUF(b->diagonal), PC_BUF(b->right), PC_BUF(b->start),
+                                 PC_BUF(b->use_start), PC_BUF(b->use), PC_BUF(b->use_element),
+                                 PC_BUF(b->slot_start), PC_BUF(b->slot), PC_BUF(b->functions),
+                                 PC_BUF(b->coefficient_start), PC_BUF(b->coefficient), PC_BUF(b->local),
+                                 PC_BUF(b->plate), PC_U32(row_count), PC_U32(chunk), PC_U32(values))));
+done:
+    return status;
+}
+
+static pc_status fetch(pc_energy *energy, pc_context *ctx, const buffers *b, const part *p, bool values) {
+    pc_status status = PC_OK;
+    const size_t rows = p->to - p->from, n = p->element_count;
+    const pc_system *system = &energy->system;
+    double *tally = NULL;
+    PC_TRY(pc_new(&tally, ctx, 3 * n));
+    if (values) {
+        PC_TRY(pc_buffer_read(system->value + system->start[p->from], ctx, b->value, 0,
+                              (system->start[p->to] - system->start[p->from]) * sizeof(double)));
+        PC_TRY(pc_buffer_read(system->diagonal + p->from, ctx, b->diagonal, 0, rows * sizeof(double)));
+    }
+    PC_TRY(pc_buffer_read(energy->right + 3 * (size_t)p->from, ctx, b->right, 0, 3 * rows * sizeof(double)));
+    PC_TRY(pc_buffer_read(tally, ctx, b->tally, 0, 3 * n * sizeof *tally));
+    for (size_t k = 0; k < n; k++)
+        memcpy(energy->tally + 3 * (size_t)p->element[k], tally + 3 * k, 3 * sizeof *tally);
+done:
+    pc_free(ctx, tally);
+    return status;
+}
+
+pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device,
+                           const pc_energy_work *work) {
+    const size_t most = (size_t)1 << 30; /* large single buffers are what drivers get wrong */
+    pc_status status = PC_OK;
+    part p = {0};
+    buffers b = {0};
+    const size_t cap = pc_device_allocation_cap(device) < most ? pc_device_allocation_cap(device) : most;
+    PC_TRY(pc_device_require_doubles(device, ctx, "the fit of a surface"));
+    PC_TRY(pc_new(&p.element, ctx, energy->element_count));
+    PC_TRY(pc_new(&p.local, ctx, energy->element_count));
+    for (p.from = 0; p.from < energy->row_count; p.from = p.to) {
+        choose_rows(&p, energy, work, cap);
+        PC_TRY(upload_samples(&b, ctx, device, energy, work, &p));
+        PC_TRY(upload_functions(&b, ctx, device, energy, &p));
+        PC_TRY(upload_rows(&b, ctx, device, energy, &p));
+        PC_TRY(pc_buffer_from(&b.plate, ctx, device, energy->plate, sizeof energy->plate));
+        PC_TRY(run(&b, ctx, device, &p, work->values));
+        PC_TRY(fetch(energy, ctx, &b, &p, work->values));
+        free_buffers(&b, ctx);
+    }
+done:
+    free_buffers(&b, ctx);
+    pc_free(ctx, p.element);
+    pc_free(ctx, p.local);
+    return status;
+}
