@@ -16,6 +16,8 @@ import tempfile
 HEAD = ("scan", "triangles", "exit code", "quads", "irregular", "field singularities", "tries",
         "distance: mean, largest (% of the diagonal)", "seconds", "CPU s", "peak, MB", "what the result misses")
 
+SPLINE_HEAD = ("control points", "largest distance of the spline, %", "rounds", "spline, seconds")
+
 INTRODUCTION = """# Scans converted at the defaults
 
 Made by `bench/scans.py`. Irregular: inner vertices without four quads. Tries: parameterizations made, for places that wanted finer
@@ -40,7 +42,16 @@ def row(program, scan, options, folder):
             f"{100 * distance['mean']:.3f}, {100 * distance['max']:.2f}",
             f"{sum(stage['seconds'] for stage in report['stages']):.1f}",
             f"{sum(stage['cpu_seconds'] for stage in report['stages']):.1f}",
-            f"{max(stage['peak_bytes'] for stage in report['stages']) / 1e6:,.0f}", ", ".join(missed))
+            f"{max(stage['peak_bytes'] for stage in report['stages']) / 1e6:,.0f}", ", ".join(missed),
+            *spline_cells(stages, figures))
+
+
+def spline_cells(stages, figures):
+    if "spline" not in stages:
+        return ()
+    facts = stages["spline"]["facts"]
+    return (f"{facts['control_points']:,}", f"{100 * figures['spline']['distance']['max']:.3f}", facts["rounds"],
+            f"{stages['spline']['seconds']:.1f}")
 
 
 def main():
@@ -54,7 +65,8 @@ def main():
     print(INTRODUCTION)
     print(f"{datetime.date.today()}, commit {chosen.commit}, {os.cpu_count()} CPUs, load {os.getloadavg()[0]:.1f} at the start"
           + (f", options `{' '.join(options)}`" if options else "") + ".\n")
-    print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD), flush=True)
+    head = HEAD + (SPLINE_HEAD if "--tolerance" in options else ())
+    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head), flush=True)
     for scan in chosen.scan:
         with tempfile.TemporaryDirectory() as folder:
             cells = row(chosen.percale, scan, options, os.path.join(folder, "out"))

@@ -9,7 +9,8 @@
 
 static const char usage[] = "convert SCAN -o OUT [OPTIONS]";
 static const char about[] =
-    "Turns the triangle scan SCAN (.ply .obj .stl .off, each also .gz) into a quad control mesh.\n"
+    "Turns the triangle scan SCAN (.ply .obj .stl .off, each also .gz) into a quad control mesh, and with\n"
+    "--tolerance into a T-spline surface for CAD (surface.step).\n"
     "OUT is a folder; it receives quads.obj, quads.ply, quads.hdf, scan.hdf, result.h5, report.json and "
     "pictures,\n"
     "and in OUT/stages one HDF5 file per finished stage. Without -o it is told what would be done.";
@@ -42,7 +43,7 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
                 "make a smooth T-spline surface too, nowhere farther than T from the scan: 0.2% of the "
                 "diagonal of its box, or 0.05 in its units"),
         PC_COUNT("max-control-points", &line->max_control_points, "N", 1, PC_NONE,
-                 "of the T-spline (default: as many as the scan has vertices)"),
+                 "of the T-spline (default: two per vertex of the scan)"),
         PC_TEXT("formats", 0, &line->formats, "LIST",
                 "further files of the T-spline beside surface.step: iges,iga,bext,gismo, or all"),
         PC_TEXT("output", 'o', &line->out, "OUT", "the folder for the results"),

@@ -65,7 +65,7 @@ typedef struct pc_convert_options {
     pc_stage_id last;            /* stages after it are left out, export excepted */
     double tolerance;            /* of the spline: largest distance to the scan; 0: no spline */
     bool tolerance_relative;     /* the tolerance is a part of the diagonal of the scan's box, not a length */
-    pc_index max_control_points; /* of the spline; 0: as many as the scan has vertices */
+    pc_index max_control_points; /* of the spline; 0: two per vertex of the scan */
     unsigned spline_formats;     /* bit 1 << pc_spline_format: that file too */
     bool resume;                 /* takes finished stages whose key fits */
     bool force;                  /* overwrites the outputs of an earlier run */
