@@ -132,7 +132,12 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
     *stats = (pc_adapt_stats){.first_points = spline->mesh.vertex_count};
     PC_TRY(pc_correspondence_make(&a.correspondence, ctx, spline, target, true));
     for (bool more = true; more; stats->rounds++) {
-        PC_TRY(fit(&a, ctx, device));
+        status = fit(&a, ctx, device);
+        if (status == PC_E_NOCONV && a.best.position) { /* the solver: the best so far stands */
+            pc_context_clear_message(ctx);
+            break;
+        }
+        PC_TRY(status);
         if (stats->accuracy.max <= options->tolerance) goto done;
         PC_TRY(remember(&a, ctx));
         if (stats->rounds == options->max_rounds || a.vain == options->patience || !is_within_budget(&a))
