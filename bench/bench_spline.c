@@ -47,14 +47,14 @@ static void drop(input *in, pc_context *ctx) {
 }
 
 static void print_continuity(const pc_tspline *spline) {
-    static const char *name[PC_JOINT_COUNT] = {"regular", "mixed", "closing", "spoke"};
     pc_jump jump[PC_JOINT_COUNT];
     pc_continuity_measure(jump, spline, 3);
     for (int c = 0; c < PC_JOINT_COUNT; c++)
         printf("{\"joint\": \"%s\", \"samples\": %u, \"gap\": %.2g, \"normal_mean_deg\": %.3g, "
                "\"normal_max_deg\": %.3g, \"curvature_mean\": %.2g, \"curvature_max\": %.2g}\n",
-               name[c], jump[c].sample_count, jump[c].gap, jump[c].normal_mean * 180 / PC_PI,
-               jump[c].normal_max * 180 / PC_PI, jump[c].curvature_mean, jump[c].curvature_max);
+               pc_joint_name((pc_joint)c), jump[c].sample_count, jump[c].gap,
+               jump[c].normal_mean * 180 / PC_PI, jump[c].normal_max * 180 / PC_PI, jump[c].curvature_mean,
+               jump[c].curvature_max);
 }
 
 static pc_status write_step(pc_context *ctx, const pc_tspline *spline, double size, const char *folder) {

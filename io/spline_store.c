@@ -247,15 +247,6 @@ done:
     return status;
 }
 
-static pc_status make_basis(pc_tspline *spline, pc_store *store, const char *group) {
-    pc_context *ctx = pc_store_context(store);
-    pc_status status = pc_basis_make(&spline->basis, ctx, &spline->mesh);
-    if (status == PC_E_BUG) return unfit(store, group);
-    if (status == PC_OK) status = pc_new(&spline->bezier, ctx, 48 * (size_t)spline->basis.element_count);
-    if (status == PC_OK) pc_tspline_update(spline);
-    return status;
-}
-
 pc_status pc_tspline_load(pc_tspline *spline, pc_store *store, const char *group) {
     pc_status status = PC_OK;
     pc_context *ctx = pc_store_context(store);
@@ -272,7 +263,8 @@ pc_status pc_tspline_load(pc_tspline *spline, pc_store *store, const char *group
     unpack(&spline->mesh, &a);
     PC_TRY(check_mesh(&spline->mesh, store, group));
     spline->position = a.position, a.position = NULL;
-    PC_TRY(make_basis(spline, store, group));
+    status = pc_tspline_complete(spline, ctx);
+    if (status == PC_E_BUG) PC_TRY(unfit(store, group));
 done:
     free_arrays(&a, ctx);
     if (status != PC_OK) pc_tspline_free(spline, ctx);

@@ -225,7 +225,8 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     if (!refine) goto done;
     sizing.edge_length = r->options->ngons == PC_NGONS_SPLIT ? r->period / 2 : r->period;
     sizing.period_length = r->period;
-    sizing.reach = r->options->reach, sizing.floor = r->options->floor;
+    if (r->options->reach > 0) sizing.reach = r->options->reach;
+    if (r->options->floor > 0) sizing.floor = r->options->floor;
     PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, r->mesh, r->adjacency, &quads, folded, &sizing));
     r->stats->wanting = sizes.wanting;
     found->wanting = is_worth_another(r, &sizes, made.folded, sizing.edge_length);

@@ -16,11 +16,10 @@ typedef struct pc_remesh_options {
     int refinements; /* at most this many rounds of local refinement; 0: cells as equal as the field lets them
                       */
     pc_pgp_scheme scheme;
-    double reach; /* scan vertices farther than this many local edge lengths from the quads want finer ones */
-    double floor; /* ... but not nearer than this many edge lengths as asked */
+    double reach, floor; /* of pc_sizing_options; 0: its defaults */
 } pc_remesh_options;
 #define PC_REMESH_DEFAULTS                                                                                   \
-    { 0, 0, PC_NGONS_SPLIT, 1, 3, PC_PGP_NORMALISE, 1.0, 0.6 }
+    { 0, 0, PC_NGONS_SPLIT, 1, 3, PC_PGP_NORMALISE, 0, 0 }
 
 typedef struct pc_remesh_stats {
     pc_param_stats param;

@@ -42,7 +42,6 @@ static void put_jump(pc_json *json, const char *name, const pc_jump *jump, doubl
 }
 
 void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings) {
-    static const char *const joint[PC_JOINT_COUNT] = {"regular", "mixed", "closing", "spoke"};
     const pc_held_spline *held = findings->held;
     const pc_accuracy *accuracy = &held->stats.accuracy;
     const double part = 1 / held->diagonal;
@@ -62,7 +61,7 @@ void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings) {
     pc_json_close(json);
     pc_json_object(json, "jumps");
     for (int c = 0; c < PC_JOINT_COUNT; c++)
-        put_jump(json, joint[c], findings->jump + c, held->diagonal);
+        put_jump(json, pc_joint_name((pc_joint)c), findings->jump + c, held->diagonal);
     pc_json_close(json);
     pc_json_flat_object(json, "shell");
     pc_json_integer(json, "faces", findings->shell.face_count);

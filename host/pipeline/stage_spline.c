@@ -1,7 +1,6 @@
 /* Spline: a T-spline surface over the quads, within the tolerance of the scan. */
 #include "doublet.h"
 #include "memory.h"
-#include "plan.h"
 #include "spline_store.h"
 #include "stage.h"
 #include <stdio.h>

@@ -2,6 +2,7 @@
 #include "insertion.h"
 #include "memory.h"
 #include <stdlib.h>
+#include <string.h>
 
 static int descending(const void *x, const void *y) {
     double a = *(const double *)x, b = *(const double *)y;
@@ -58,7 +59,7 @@ typedef struct adapting {
     const pc_adapt_options *options;
     pc_correspondence correspondence;
     pc_face_error *error; /* per face of the present mesh */
-    pc_tspline best;
+    pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
     int vain; /* rounds since then */
 } adapting;
@@ -89,29 +90,35 @@ static bool is_within_budget(const adapting *a) {
 
 /* Keeps the surface where none was nearer. */
 static pc_status remember(adapting *a, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_tmesh *mesh = &a->spline->mesh;
     a->vain++;
     if (a->best.position && !(a->stats->accuracy.max < a->best_stats.accuracy.max)) return PC_OK;
     pc_tspline_free(&a->best, ctx);
+    PC_TRY(pc_tmesh_copy(&a->best.mesh, ctx, mesh));
+    PC_TRY(pc_new(&a->best.position, ctx, 3 * (size_t)mesh->vertex_count));
+    memcpy(a->best.position, a->spline->position, 3 * sizeof(double) * mesh->vertex_count);
     a->best_stats = *a->stats;
     a->vain = 0;
-    return pc_tspline_copy(&a->best, ctx, a->spline);
+done:
+    return status;
 }
 
-/* False where there is nothing to refine, or that would take more control points than allowed. */
-static pc_status refine(bool *done, adapting *a, pc_context *ctx) {
+/* `more` is false where there is nothing to refine, or that took more control points than allowed. */
+static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_adapt_options *options = a->options;
     pc_closure_stats closed;
     uint8_t *wish = NULL;
     double limit;
-    *done = false;
+    *more = false;
     PC_TRY(pc_new(&wish, ctx, a->spline->mesh.face_count));
     PC_TRY(threshold(&limit, ctx, a->error, a->spline->mesh.face_count, options));
     if (!choose(wish, a->spline, a->error, limit, options->tolerance, options->anisotropy)) goto done;
     PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
     a->stats->junctions = closed.junctions;
     PC_TRY(pc_correspondence_carry(&a->correspondence, ctx, &a->spline->mesh));
-    *done = is_within_budget(a);
+    *more = is_within_budget(a);
 done:
     pc_free(ctx, wish);
     return status;
@@ -121,6 +128,8 @@ static pc_status go_back(adapting *a, pc_context *ctx) {
     pc_tspline_free(a->spline, ctx);
     *a->spline = a->best, a->best = (pc_tspline){0};
     *a->stats = a->best_stats;
+    pc_status status = pc_tspline_complete(a->spline, ctx);
+    if (status != PC_OK) return status;
     return pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
                    a->spline->mesh.vertex_count, a->stats->accuracy.max, a->options->tolerance);
 }

@@ -77,3 +77,8 @@ void pc_continuity_measure(pc_jump jump[PC_JOINT_COUNT], const pc_tspline *splin
         jump[c].curvature_mean /= jump[c].sample_count;
     }
 }
+
+const char *pc_joint_name(pc_joint joint) {
+    static const char *const name[PC_JOINT_COUNT] = {"regular", "mixed", "closing", "spoke"};
+    return name[joint];
+}

@@ -21,6 +21,8 @@ typedef struct pc_jump {
     double curvature_max;
 } pc_jump;
 
+/* "regular", "mixed", "closing", "spoke". */
+const char *pc_joint_name(pc_joint joint);
 /* One row per class, from `samples` points inside of every side of every element. */
 void pc_continuity_measure(pc_jump jump[PC_JOINT_COUNT], const pc_tspline *spline, int samples);
 

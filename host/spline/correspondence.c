@@ -21,9 +21,7 @@ pc_surface_place pc_correspondence_place(const pc_correspondence *c, const pc_ts
 }
 
 static void put_place(following *f, pc_index v, pc_surface_place place) {
-    f->c->spot[v].face = f->spline->basis.element[place.element].face;
-    f->c->spot[v].at[0] = place.s;
-    f->c->spot[v].at[1] = place.t;
+    f->c->spot[v] = (pc_spot){f->spline->basis.element[place.element].face, {place.s, place.t}};
     pc_surface_point x = pc_tspline_evaluate(f->spline, place);
     pc_vec3_put(f->image, v, x.p);
     pc_vec3_put(f->normal, v, pc_unit(pc_cross(x.s, x.t)));
@@ -108,7 +106,7 @@ static void gather_loose(following *f, int rings) {
 }
 
 /* The mean of the images around v, nearer neighbours on the scan weighing more. */
-static pc_vec3 mean_around(const following *f, const double *image, pc_index v) {
+static pc_vec3 mean_around(const following *f, pc_index v) {
     pc_vec3 sum = {0, 0, 0}, x = pc_vec3_at(f->mesh->position, v);
     double total = 0;
     pc_index first = f->adjacency->vertex_half[v], h = first;
@@ -116,7 +114,7 @@ static pc_vec3 mean_around(const following *f, const double *image, pc_index v) 
         pc_index w = f->mesh->triangle[pc_next(h)];
         double length = pc_distance(x, pc_vec3_at(f->mesh->position, w));
         double weight = 1 / fmax(length, 1e-300);
-        sum = pc_madd(sum, weight, pc_vec3_at(image, w));
+        sum = pc_madd(sum, weight, pc_vec3_at(f->image, w));
         total += weight;
         h = pc_turn_ccw(f->adjacency, h);
     } while (h != first && h != PC_NONE);
@@ -132,14 +130,13 @@ static void stretch_membrane(following *f) {
         for (pc_index i = 0; i < f->loose_count; i++) {
             pc_index v = f->loose[sweep % 2 ? f->loose_count - 1 - i : i];
             pc_vec3 q = pc_vec3_at(f->image, v);
-            pc_vec3_put(f->image, v, pc_madd(q, beyond, pc_sub(mean_around(f, f->image, v), q)));
+            pc_vec3_put(f->image, v, pc_madd(q, beyond, pc_sub(mean_around(f, v), q)));
         }
 }
 
 /* From the fixed ones inwards, each loose vertex walks from the place of a neighbour to the point of the
  * surface nearest to the membrane. */
 static void lay_membrane(following *f) {
-    pc_index laid = 0;
     uint8_t *waits = f->is_loose; /* 1: waits, 2: laid */
     for (bool more = true; more;) {
         more = false;
@@ -155,7 +152,6 @@ static void lay_membrane(following *f) {
             pc_surface_place place = pc_correspondence_place(f->c, f->spline, from);
             put_place(f, v, pc_nearest_from(f->spline, place, pc_vec3_at(f->image, v)).place);
             waits[v] = 2;
-            laid++;
             more = true;
         }
     }
@@ -169,9 +165,9 @@ static void spread(following *f, int sweeps) {
 #pragma omp parallel for schedule(static)
         for (pc_index i = 0; i < f->loose_count; i++) {
             pc_index v = f->loose[i];
-            f->next[i] = pc_nearest_from(f->spline, pc_correspondence_place(f->c, f->spline, v),
-                                         mean_around(f, f->image, v))
-                             .place;
+            f->next[i] =
+                pc_nearest_from(f->spline, pc_correspondence_place(f->c, f->spline, v), mean_around(f, v))
+                    .place;
         }
 #pragma omp parallel for schedule(static)
         for (pc_index i = 0; i < f->loose_count; i++)
@@ -228,26 +224,20 @@ pc_status pc_correspondence_follow(pc_correspondence *c, pc_context *ctx, const 
     return follow(c, ctx, spline, target, NULL);
 }
 
-/* The nearest points, and the vertices whose normals say that they are on the wrong side. */
-static void find_nearest(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
-                         const pc_facets *facets) {
-    enum { CHUNK = 128 };
-    pc_index chunks = (c->count + CHUNK - 1) / CHUNK;
-#pragma omp parallel for schedule(dynamic, 4)
-    for (pc_index i = 0; i < chunks; i++) {
-        pc_index hint = PC_NONE;
-        for (pc_index v = i * CHUNK; v < (i + 1) * CHUNK && v < c->count; v++) {
-            c->spot[v].face = PC_NONE;
-            if (target->adjacency->vertex_half[v] == PC_NONE) continue;
-            pc_bvh_hit hit = pc_bvh_closest(&facets->tree, pc_vec3_at(target->mesh->position, v), hint);
-            hint = hit.face;
-            if (hit.face == PC_NONE) continue;
-            pc_surface_place place = pc_facets_place(facets, hit.face, hit.weight);
-            c->spot[v].face = spline->basis.element[place.element].face;
-            c->spot[v].at[0] = place.s;
-            c->spot[v].at[1] = place.t;
-        }
+static pc_status find_nearest(pc_correspondence *c, pc_context *ctx, const pc_target *target,
+                              const pc_facets *facets) {
+    pc_bvh_hit *hits = NULL;
+    pc_status status = pc_new(&hits, ctx, c->count);
+    if (status != PC_OK) return status;
+    pc_bvh_closest_all(hits, &facets->tree, target->mesh->position, c->count);
+    for (pc_index v = 0; v < c->count; v++) {
+        c->spot[v].face = PC_NONE;
+        if (target->adjacency->vertex_half[v] == PC_NONE || hits[v].face == PC_NONE) continue;
+        pc_surface_place place = pc_facets_place(facets, hits[v].face, hits[v].weight);
+        c->spot[v] = (pc_spot){facets->basis->element[place.element].face, {place.s, place.t}};
     }
+    pc_free(ctx, hits);
+    return PC_OK;
 }
 
 pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
@@ -259,7 +249,7 @@ pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc
     PC_TRY(pc_new(&c->spot, ctx, c->count));
     PC_TRY(pc_new(&c->torn, ctx, c->count));
     PC_TRY(pc_facets_make(&facets, ctx, spline, PER_SIDE, flat));
-    find_nearest(c, spline, target, &facets);
+    PC_TRY(find_nearest(c, ctx, target, &facets));
     PC_TRY(follow(c, ctx, spline, target, target->normal));
 done:
     pc_facets_free(&facets, ctx);

@@ -44,9 +44,3 @@ void pc_bezier_blossom_weights(double weight[4], double low, double high, const 
         weight[0] *= 1 - u;
     }
 }
-
-double pc_bezier_blossom(const double b[4], double low, double high, const double x[3]) {
-    double w[4];
-    pc_bezier_blossom_weights(w, low, high, x);
-    return w[0] * b[0] + w[1] * b[1] + w[2] * b[2] + w[3] * b[3];
-}

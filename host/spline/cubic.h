@@ -14,10 +14,8 @@ void pc_cubic_bezier(double coefficient[4], const double knots[5], double low, d
 /* The four cubic Bernstein polynomials at u in 0..1, and their first and second derivatives. */
 void pc_bernstein(double value[4], double first[4], double second[4], double u);
 
-/* The blossom of the cubic with Bezier coefficients b over [low, high]; any arguments. */
-double pc_bezier_blossom(const double b[4], double low, double high, const double x[3]);
-
-/* The weights w of pc_bezier_blossom: it is the sum of w[i]*b[i]. */
+/* The blossom of the cubic with Bezier coefficients b over [low, high] is the sum of weight[i]*b[i]; any
+ * arguments. */
 void pc_bezier_blossom_weights(double weight[4], double low, double high, const double x[3]);
 
 #endif

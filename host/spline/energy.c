@@ -21,10 +21,9 @@ static void make_plate(double plate[48]) {
 }
 
 void pc_energy_bending(double factor[3], const pc_tspline *spline, pc_index e, double fairness) {
-    const pc_element *element = spline->basis.element + e;
-    const double *size = spline->mesh.face[element->face].size;
-    double a = (element->high[0] - element->low[0]) / size[0];
-    double b = (element->high[1] - element->low[1]) / size[1];
+    double part[2];
+    pc_tspline_part(part, spline, e);
+    const double a = part[0], b = part[1];
     factor[0] = fairness * b / (a * a * a);
     factor[1] = fairness * 2 / (a * b);
     factor[2] = fairness * a / (b * b * b);

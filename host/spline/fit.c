@@ -30,9 +30,8 @@ typedef struct fitting {
     pc_energy energy;
     pc_secants secants;
     double *pull, *move;
-    double last;     /* energy where the last step began */
-    double longest;  /* plain step; where no data holds the surface, secants may lead anywhere */
-    double farthest; /* that a control point moved last */
+    double last;    /* energy where the last step began */
+    double longest; /* plain step; where no data holds the surface, secants may lead anywhere */
 } fitting;
 
 /* move = about A^-1 pull, as good as the rest of the step deserves. */
@@ -98,8 +97,7 @@ static pc_status step(fitting *f, pc_context *ctx, const double *right) {
         memcpy(f->pull, right, bytes);
         PC_TRY(solve(f, ctx));
     }
-    f->farthest = reach_of(f);
-    if (!f->secants.count) f->longest = fmax(f->longest, f->farthest);
+    if (!f->secants.count) f->longest = fmax(f->longest, reach_of(f));
     displace(f, f->move, 1);
     memcpy(f->pull, right, bytes);
     pc_secants_take(&f->secants, f->move, f->pull);
@@ -157,15 +155,14 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_de
                  .correspondence = correspondence,
                  .device = device,
                  .target = target,
-                 .options = options,
-                 .farthest = INFINITY};
+                 .options = options};
     *stats = (pc_fit_stats){0};
     PC_TRY(pc_energy_make(&f.energy, ctx, spline, options->free));
     stats->moved = f.energy.row_count;
     PC_TRY(pc_new(&f.pull, ctx, 3 * (size_t)stats->moved));
     PC_TRY(pc_new(&f.move, ctx, 3 * (size_t)stats->moved));
     PC_TRY(pc_secants_make(&f.secants, ctx, 3 * (size_t)stats->moved));
-    for (; stats->rounds < options->rounds && f.farthest > options->settled; stats->rounds++)
+    for (; stats->rounds < options->rounds; stats->rounds++)
         PC_TRY(one_round(&f, ctx));
 done:
     pc_energy_free(&f.energy, ctx);

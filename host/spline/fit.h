@@ -9,18 +9,17 @@
 
 typedef struct pc_fit_options {
     double fairness; /* weight of the bending energy; has no unit */
-    int rounds;      /* of correspondence and fit, at most */
+    int rounds;      /* of correspondence and fit */
     int per_side;    /* samples along the side of a face */
     /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
     double tolerance;
     /* Learn from round to round how places slide along, by L-BFGS: fewer control points reach a tolerance,
      * but parts of the surface that have lost their samples may stray. */
     bool sliding;
-    double settled;      /* no more rounds once no control point has moved as far as this; model units */
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 1e-5, 3, 5, 1e-8, false, 0, NULL }
+    { 1e-5, 3, 5, 1e-8, false, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples, refused; /* in the last round */

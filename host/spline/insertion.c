@@ -146,11 +146,9 @@ pc_status pc_insertion_refine(pc_tspline *spline, pc_closure_stats *stats, pc_co
     pc_tspline finer = {0};
     PC_TRY(pc_tmesh_copy(&finer.mesh, ctx, &spline->mesh));
     PC_TRY(pc_closure_refine(&finer.mesh, stats, ctx, wish));
-    PC_TRY(pc_basis_make(&finer.basis, ctx, &finer.mesh));
     PC_TRY(pc_new(&finer.position, ctx, 3 * (size_t)finer.mesh.vertex_count));
-    PC_TRY(pc_new(&finer.bezier, ctx, 48 * (size_t)finer.basis.element_count));
     PC_TRY(place_points(finer.position, ctx, spline, &finer.mesh));
-    pc_tspline_update(&finer);
+    PC_TRY(pc_tspline_complete(&finer, ctx));
     pc_tspline_free(spline, ctx);
     *spline = finer;
     finer = (pc_tspline){0};

@@ -142,7 +142,6 @@ pc_nearest pc_nearest_from(const pc_tspline *spline, pc_surface_place place, pc_
             break;
         }
     }
-    best.normal = pc_cross(x.s, x.t);
     return best;
 }
 

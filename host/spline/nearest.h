@@ -17,7 +17,6 @@ typedef struct pc_nearest {
     pc_surface_place place; /* element PC_NONE where there is no surface */
     pc_vec3 point;
     double distance;
-    pc_vec3 normal; /* of any length */
 } pc_nearest;
 
 /* `flat`: of the bilinear faces between the control points instead, for a first guess where these lie on the

@@ -9,7 +9,7 @@ typedef struct gathering {
     int per_side;
     double *image;  /* 3 per vertex of the scan: its place as a point */
     size_t *start;  /* per triangle: its first sample in `raw` */
-    pc_sample *raw; /* of the scan's vertices, then of its triangles; element PC_NONE: refused */
+    pc_sample *raw; /* of the scan's vertices, its triangles, then the elements; element PC_NONE: refused */
     size_t count;
 } gathering;
 
@@ -28,13 +28,12 @@ static void sample_vertices(gathering *g) {
 
 /* The diagonal of the face around an element. */
 static double face_diagonal(const pc_tspline *spline, pc_index e) {
-    const pc_element *element = spline->basis.element + e;
-    const double *size = spline->mesh.face[element->face].size, *b = spline->bezier + 48 * (size_t)e;
-    double part =
-        fmax((element->high[0] - element->low[0]) / size[0], (element->high[1] - element->low[1]) / size[1]);
+    const double *b = spline->bezier + 48 * (size_t)e;
+    double part[2];
+    pc_tspline_part(part, spline, e);
     return fmax(pc_distance(pc_vec3_at(b, 0), pc_vec3_at(b, 15)),
                 pc_distance(pc_vec3_at(b, 3), pc_vec3_at(b, 12))) /
-           part;
+           fmax(part[0], part[1]);
 }
 
 /* Into how many parts each side of triangle t is cut, so that a face has about per_side samples along its
@@ -56,7 +55,7 @@ static size_t cuts_of(const gathering *g, pc_index t) {
 /* Triangle t laid out in the frame of its first corner. */
 typedef struct outline {
     const pc_spot *spot; /* of the first corner */
-    double way[3][2];    /* to each corner */
+    double way[3][2];    /* to the second and the third */
     bool laid;           /* else corners are too far apart on the T-mesh */
 } outline;
 
@@ -119,7 +118,7 @@ static pc_status sample_triangles(gathering *g, pc_context *ctx) {
     PC_TRY(pc_resize(&g->raw, ctx, g->count));
 #pragma omp parallel for schedule(dynamic, 256)
     for (pc_index t = 0; t < mesh->face_count; t++) {
-        size_t n = cuts_of(g, t);
+        size_t n = (size_t)lround(sqrt((double)(g->start[t + 1] - g->start[t])));
         if (n) sample_triangle(g, t, n, g->raw + g->start[t]);
     }
 done:
@@ -127,11 +126,9 @@ done:
 }
 
 static int grid_of(const gathering *g, pc_index e) {
-    const pc_element *element = g->spline->basis.element + e;
-    const double *size = g->spline->mesh.face[element->face].size;
-    double part =
-        fmax((element->high[0] - element->low[0]) / size[0], (element->high[1] - element->low[1]) / size[1]);
-    return (int)ceil(part * g->per_side);
+    double part[2];
+    pc_tspline_part(part, g->spline, e);
+    return (int)ceil(fmax(part[0], part[1]) * g->per_side);
 }
 
 /* The triangle that was hit belongs near the place of the surface from which it was looked for: near in the
@@ -207,12 +204,10 @@ static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx
         if (g->raw[i].place.element != PC_NONE)
             samples->sample[start[g->raw[i].place.element + 1]++] = g->raw[i];
     for (pc_index e = 0; e < basis->element_count; e++) {
-        const pc_element *element = basis->element + e;
-        const double *size = g->spline->mesh.face[element->face].size;
-        double share =
-            (element->high[0] - element->low[0]) / size[0] * (element->high[1] - element->low[1]) / size[1];
+        double part[2];
+        pc_tspline_part(part, g->spline, e);
         for (size_t i = start[e]; i < start[e + 1]; i++)
-            samples->sample[i].weight = share / (double)(start[e + 1] - start[e]);
+            samples->sample[i].weight = part[0] * part[1] / (double)(start[e + 1] - start[e]);
     }
 done:
     pc_free(ctx, start);
@@ -229,10 +224,9 @@ static pc_status stiffen(pc_samples *samples, const pc_tspline *spline, int per_
     for (size_t i = 0; i < samples->count; i++)
         samples->stiffness[samples->sample[i].place.element]++;
     for (pc_index e = 0; e < basis->element_count; e++) {
-        const pc_element *element = basis->element + e;
-        const double *size = spline->mesh.face[element->face].size;
-        double meant = (element->high[0] - element->low[0]) / size[0] * (element->high[1] - element->low[1]) /
-                       size[1] * per_side * per_side / 4;
+        double part[2];
+        pc_tspline_part(part, spline, e);
+        double meant = part[0] * part[1] * per_side * per_side / 4;
         double lack = fmax(0, 1 - samples->stiffness[e] / fmax(meant, 1));
         samples->stiffness[e] = 1 + (most - 1) * lack;
     }

@@ -47,32 +47,25 @@ pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh
     pc_index *source = NULL;
     *spline = (pc_tspline){0};
     PC_TRY(pc_tmesh_make(&spline->mesh, &source, ctx, quads, options));
-    PC_TRY(pc_basis_make(&spline->basis, ctx, &spline->mesh));
     PC_TRY(pc_new(&spline->position, ctx, 3 * (size_t)spline->mesh.vertex_count));
-    PC_TRY(pc_new(&spline->bezier, ctx, 48 * (size_t)spline->basis.element_count));
     for (pc_index v = 0; v < spline->mesh.vertex_count; v++)
         if (source[v] != PC_NONE)
             memcpy(spline->position + 3 * (size_t)v, quads->position + 3 * (size_t)source[v],
                    3 * sizeof(double));
     place_ghosts(spline, source);
-    pc_tspline_update(spline);
+    PC_TRY(pc_tspline_complete(spline, ctx));
 done:
     pc_free(ctx, source);
     if (status != PC_OK) pc_tspline_free(spline, ctx);
     return status;
 }
 
-pc_status pc_tspline_copy(pc_tspline *copy, pc_context *ctx, const pc_tspline *spline) {
+pc_status pc_tspline_complete(pc_tspline *spline, pc_context *ctx) {
     pc_status status = PC_OK;
-    *copy = (pc_tspline){0};
-    PC_TRY(pc_tmesh_copy(&copy->mesh, ctx, &spline->mesh));
-    PC_TRY(pc_basis_make(&copy->basis, ctx, &copy->mesh));
-    PC_TRY(pc_new(&copy->position, ctx, 3 * (size_t)copy->mesh.vertex_count));
-    PC_TRY(pc_new(&copy->bezier, ctx, 48 * (size_t)copy->basis.element_count));
-    memcpy(copy->position, spline->position, 3 * sizeof(double) * copy->mesh.vertex_count);
-    memcpy(copy->bezier, spline->bezier, 48 * sizeof(double) * copy->basis.element_count);
+    PC_TRY(pc_basis_make(&spline->basis, ctx, &spline->mesh));
+    PC_TRY(pc_new(&spline->bezier, ctx, 48 * (size_t)spline->basis.element_count));
+    pc_tspline_update(spline);
 done:
-    if (status != PC_OK) pc_tspline_free(copy, ctx);
     return status;
 }
 

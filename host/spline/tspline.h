@@ -26,7 +26,9 @@ typedef struct pc_surface_point {
 /* The control points are the vertices of the quads; those of ghosts lie opposite the quads' inner ones. */
 pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh *quads,
                           const pc_tmesh_options *options);
-pc_status pc_tspline_copy(pc_tspline *copy, pc_context *ctx, const pc_tspline *spline);
+/* Basis and Bezier points, where mesh and control points are there already. PC_E_NOMEM, PC_E_BUG as
+ * pc_basis_make. */
+pc_status pc_tspline_complete(pc_tspline *spline, pc_context *ctx);
 void pc_tspline_free(pc_tspline *spline, pc_context *ctx);
 /* Of the mesh and of the basis. */
 pc_status pc_tspline_check(const pc_tspline *spline, pc_basis_facts *facts, pc_context *ctx);
@@ -38,6 +40,13 @@ pc_surface_point pc_tspline_evaluate(const pc_tspline *spline, pc_surface_place 
 pc_vec3 pc_tspline_point(const pc_tspline *spline, pc_surface_place place);
 /* The place with these parameters of a face. */
 pc_surface_place pc_tspline_place(const pc_tspline *spline, pc_index face, double s, double t);
+
+/* How much of its face an element is, along s and along t. */
+static inline void pc_tspline_part(double part[2], const pc_tspline *spline, pc_index element) {
+    const pc_element *e = spline->basis.element + element;
+    for (int k = 0; k < 2; k++)
+        part[k] = (e->high[k] - e->low[k]) / spline->mesh.face[e->face].size[k];
+}
 
 /* The same point of the surface seen from the element on the other side of side k (0..3: low t, high s, high
  * t, low s) of the place's element, on which it lies. False on the border of the surface. */
