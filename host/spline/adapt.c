@@ -57,7 +57,7 @@ typedef struct adapting {
     pc_adapt_stats *stats;
     const pc_target *target;
     const pc_adapt_options *options;
-    pc_correspondence correspondence;
+    pc_matching matching;
     pc_face_error *error; /* per face of the present mesh */
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
@@ -68,18 +68,17 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
     pc_adapt_stats *stats = a->stats;
     pc_accuracy *accuracy = &stats->accuracy;
-    PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->correspondence, &a->options->fit));
+    PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &a->options->fit));
     pc_free(ctx, a->error), a->error = NULL;
     PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
-    PC_TRY(pc_correspondence_follow(&a->correspondence, ctx, a->spline, a->target));
-    PC_TRY(pc_accuracy_measure(accuracy, a->error, ctx, a->spline, a->target, &a->correspondence,
+    PC_TRY(pc_accuracy_measure(accuracy, a->error, ctx, a->spline, a->target, &a->matching.vertices,
                                a->options->per_side));
     if (stats->rounds == 0) stats->first_max = accuracy->max;
     pc_log(ctx, PC_LOG_DEBUG,
            "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
-           "%zu samples, %zu refused, %u triangles torn",
+           "%zu samples, %zu refused, %u vertices astray",
            a->spline->mesh.vertex_count, stats->junctions, accuracy->scan_max, accuracy->surface_max,
-           accuracy->scan_mean, stats->fit.samples, stats->fit.refused, a->correspondence.torn_triangles);
+           accuracy->scan_mean, stats->fit.samples, stats->fit.refused, a->matching.vertices.astray_count);
 done:
     return status;
 }
@@ -117,7 +116,9 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     if (!choose(wish, a->spline, a->error, limit, options->tolerance, options->anisotropy)) goto done;
     PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
     a->stats->junctions = closed.junctions;
-    PC_TRY(pc_correspondence_carry(&a->correspondence, ctx, &a->spline->mesh));
+    PC_TRY(pc_correspondence_carry(&a->matching.vertices, ctx, &a->spline->mesh));
+    PC_TRY(pc_footpoints_carry(&a->matching.feet, ctx, &a->spline->mesh));
+    PC_TRY(pc_footpoints_follow(&a->matching.feet, ctx, a->spline, a->target));
     *more = is_within_budget(a);
 done:
     pc_free(ctx, wish);
@@ -139,7 +140,8 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
     pc_status status = PC_OK;
     adapting a = {.spline = spline, .stats = stats, .target = target, .options = options};
     *stats = (pc_adapt_stats){.first_points = spline->mesh.vertex_count};
-    PC_TRY(pc_correspondence_make(&a.correspondence, ctx, spline, target, true));
+    PC_TRY(pc_footpoints_make(&a.matching.feet, ctx, spline, target, options->feet));
+    PC_TRY(pc_correspondence_make(&a.matching.vertices, ctx, spline, target, &a.matching.feet));
     for (bool more = true; more; stats->rounds++) {
         status = fit(&a, ctx, device);
         if (status == PC_E_NOCONV && a.best.position) { /* the solver: the best so far stands */
@@ -155,7 +157,8 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
     }
     status = go_back(&a, ctx);
 done:
-    pc_correspondence_free(&a.correspondence, ctx);
+    pc_correspondence_free(&a.matching.vertices, ctx);
+    pc_footpoints_free(&a.matching.feet, ctx);
     pc_tspline_free(&a.best, ctx);
     pc_free(ctx, a.error);
     return status;

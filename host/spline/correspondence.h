@@ -1,30 +1,34 @@
-/* Where on the surface each vertex of the scan belongs: one place per vertex, followed from fit to fit, so
- * that what is beside each other on the scan stays so on the surface (digest C37, and its rule that no sample
- * may be flipped). The nearest point of the whole surface would tear an ear apart where the surface is still
- * coarse: part of it lies nearer to the head. */
+/* Where on the surface each vertex of the scan belongs, the other way round from the foot points: the nearest
+ * point, followed from fit to fit, where surface and foot points agree that it is there (digest C37). A
+ * vertex whose nearest point lies on another sheet would pull that out of shape. */
 #ifndef PC_CORRESPONDENCE_H
 #define PC_CORRESPONDENCE_H
 
-#include "chart.h"
-#include "target.h"
+#include "footpoints.h"
+
+/* A place on a T-mesh. */
+typedef struct pc_spot {
+    pc_index face; /* PC_NONE: none */
+    double at[2];  /* in its frame */
+} pc_spot;
 
 typedef struct pc_correspondence {
     pc_index count;
-    pc_spot *spot; /* on the T-mesh; face PC_NONE for vertices of no triangle */
-    uint8_t *torn; /* a triangle of the vertex runs the wrong way round, or is stretched beyond belief */
-    pc_index torn_triangles;
+    pc_spot *spot;   /* per vertex of the scan; face PC_NONE for vertices of no triangle */
+    uint8_t *astray; /* it does not belong there */
+    pc_index astray_count;
 } pc_correspondence;
 
-/* The nearest points: of the bilinear faces between the control points where these are still on the scan
- * (`flat`), else of the surface; then followed. PC_E_NOMEM. */
+/* The nearest points of the bilinear faces between the control points, which are still on the scan; `feet` are
+ * of the same faces. PC_E_NOMEM. */
 pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
-                                 const pc_target *target, bool flat);
+                                 const pc_target *target, const pc_footpoints *feet);
 void pc_correspondence_free(pc_correspondence *c, pc_context *ctx);
 
-/* Every vertex moves to the nearest point in its neighbourhood; where triangles are torn by that, places
- * spread out between those around them. The same bytes for any number of threads. PC_E_NOMEM. */
-pc_status pc_correspondence_follow(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
-                                   const pc_target *target);
+/* Every vertex moves to the nearest point in its neighbourhood. `feet` are those of the surface as it is now.
+ * The same bytes for any number of threads. */
+void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
+                              const pc_footpoints *feet);
 /* The same places on a mesh whose faces are parts of those so far (pc_tface.root). PC_E_NOMEM. */
 pc_status pc_correspondence_carry(pc_correspondence *c, pc_context *ctx, const pc_tmesh *refined);
 

@@ -23,7 +23,7 @@ static double extent_of(const pc_tspline *spline) {
 typedef struct fitting {
     pc_tspline *spline;
     pc_fit_stats *stats;
-    pc_correspondence *correspondence;
+    pc_matching *matching;
     pc_device *device;
     const pc_target *target;
     const pc_fit_options *options;
@@ -132,27 +132,27 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     pc_samples samples = {0};
     pc_energy_facts facts;
     PC_TRY(pc_check_interrupt(ctx));
-    if (stats->rounds > 0) PC_TRY(pc_correspondence_follow(f->correspondence, ctx, f->spline, f->target));
-    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->correspondence, options->per_side));
+    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, &f->matching->feet, &f->matching->vertices));
     /* The first step moves places most; what comes later hardly changes the matrix. */
     PC_TRY(pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count,
                           options->fairness, samples.stiffness, !options->sliding || stats->rounds < 2));
     stats->rms = facts.weight > 0 ? sqrt(facts.square / facts.weight) : 0;
     stats->samples = samples.count;
     stats->refused = samples.refused;
-    stats->torn = f->correspondence->torn_triangles;
     PC_TRY(descend(f, ctx, facts.square + facts.bending));
+    PC_TRY(pc_footpoints_follow(&f->matching->feet, ctx, f->spline, f->target));
+    pc_correspondence_follow(&f->matching->vertices, f->spline, f->target, &f->matching->feet);
 done:
     pc_samples_free(&samples, ctx);
     return status;
 }
 
 pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
-                 const pc_target *target, pc_correspondence *correspondence, const pc_fit_options *options) {
+                 const pc_target *target, pc_matching *matching, const pc_fit_options *options) {
     pc_status status = PC_OK;
     fitting f = {.spline = spline,
                  .stats = stats,
-                 .correspondence = correspondence,
+                 .matching = matching,
                  .device = device,
                  .target = target,
                  .options = options};

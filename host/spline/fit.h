@@ -10,7 +10,6 @@
 typedef struct pc_fit_options {
     double fairness; /* weight of the bending energy; has no unit */
     int rounds;      /* of correspondence and fit */
-    int per_side;    /* samples along the side of a face */
     /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
     double tolerance;
     /* Learn from round to round how places slide along, by L-BFGS: fewer control points reach a tolerance,
@@ -19,20 +18,25 @@ typedef struct pc_fit_options {
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 1e-5, 3, 5, 1e-8, false, NULL }
+    { 1e-5, 3, 1e-8, false, NULL }
+
+/* What belongs to what, both ways. */
+typedef struct pc_matching {
+    pc_footpoints feet;
+    pc_correspondence vertices;
+} pc_matching;
 
 typedef struct pc_fit_stats {
     size_t samples, refused; /* in the last round */
-    pc_index torn;           /* triangles of the scan */
     double rms;              /* distance to the samples before the last solve, weighted */
     int rounds;
     pc_index moved;      /* control points that could move */
     pc_index iterations; /* of the solver, over all rounds */
 } pc_fit_stats;
 
-/* The correspondence is followed before every round but the first. PC_E_NOCONV where the solver does not
+/* The matching is followed after every round. PC_E_NOCONV where the solver does not
  * converge; PC_E_NOMEM, PC_E_DEVICE. */
 pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
-                 const pc_target *target, pc_correspondence *correspondence, const pc_fit_options *options);
+                 const pc_target *target, pc_matching *matching, const pc_fit_options *options);
 
 #endif

@@ -8,12 +8,10 @@ static pc_vec3 flat_point(const pc_tspline *spline, const pc_element *element, d
     double u = s / face->size[0], v = t / face->size[1];
     const double share[4] = {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
     pc_vec3 p = {0, 0, 0};
-    pc_index h = face->first;
-    do {
-        const pc_thalf *e = mesh->half + h;
-        if (e->along <= 0) p = pc_madd(p, share[e->side], pc_vec3_at(spline->position, e->tail));
-        h = e->next;
-    } while (h != face->first);
+    pc_index corner[4];
+    pc_tface_corners(corner, mesh, element->face);
+    for (int k = 0; k < 4; k++)
+        p = pc_madd(p, share[k], pc_vec3_at(spline->position, corner[k]));
     return p;
 }
 

@@ -10,16 +10,14 @@ typedef struct pc_samples {
     pc_sample *sample; /* sorted by element */
     double *stiffness; /* per element: 1 where the scan says enough, up to a thousand where it says nothing
                           and only fairing can keep the surface in shape */
-    size_t refused;    /* no partner: torn vertices of the scan, and points of the surface whose nearest point
-                          of the scan belongs elsewhere */
+    size_t refused;    /* vertices of the scan that are astray, and foot points lost */
 } pc_samples;
 
-/* Every vertex of the scan at its place, points inside its triangles, and a grid of every face of the surface
- * with its nearest points of the scan: so many of both that a face has about `per_side` along its sides (0:
- * vertices only). The weights of an element sum to its share of its
- * face. PC_E_NOMEM. */
+/* The foot points of every face, and the vertices of the scan at their places. The weights of a face sum to 1
+ * where no foot point is lost. PC_E_NOMEM. */
 pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
-                          const pc_target *target, const pc_correspondence *correspondence, int per_side);
+                          const pc_target *target, const pc_footpoints *feet,
+                          const pc_correspondence *correspondence);
 void pc_samples_free(pc_samples *samples, pc_context *ctx);
 
 #endif

@@ -65,6 +65,14 @@ void pc_tmesh_measure(pc_tmesh *mesh, pc_index f) {
     } while (h != face->first);
 }
 
+void pc_tface_corners(pc_index corner[4], const pc_tmesh *mesh, pc_index f) {
+    pc_index h = mesh->face[f].first;
+    do {
+        if (pc_thalf_turns(mesh, h)) corner[mesh->half[h].side] = mesh->half[h].tail;
+        h = mesh->half[h].next;
+    } while (h != mesh->face[f].first);
+}
+
 bool pc_tface_is_irregular(const pc_tmesh *mesh, pc_index f) {
     pc_index first = mesh->face[f].first, h = first;
     do {

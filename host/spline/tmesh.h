@@ -87,6 +87,8 @@ static inline void pc_thalf_place(double at[2], const pc_tmesh *mesh, pc_index h
     at[0] = e->side == 0 ? e->along : e->side == 1 ? size[0] : e->side == 2 ? size[0] - e->along : 0;
     at[1] = e->side == 0 ? 0 : e->side == 1 ? e->along : e->side == 2 ? size[1] : size[1] - e->along;
 }
+/* The vertices at its corners, from (0,0) counter-clockwise. */
+void pc_tface_corners(pc_index corner[4], const pc_tmesh *mesh, pc_index f);
 /* One of its corners is extraordinary. */
 bool pc_tface_is_irregular(const pc_tmesh *mesh, pc_index f);
 
