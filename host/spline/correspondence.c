@@ -1,6 +1,7 @@
 #include "correspondence.h"
 #include "memory.h"
 #include <string.h>
+#include <stdlib.h>
 
 pc_surface_place pc_correspondence_place(const pc_correspondence *c, const pc_tspline *spline, pc_index v) {
     if (c->spot[v].face == PC_NONE) return (pc_surface_place){PC_NONE, 0, 0};
@@ -13,16 +14,11 @@ static void put_place(pc_correspondence *c, const pc_tspline *spline, pc_index v
     c->spot[v] = (pc_spot){spline->basis.element[place.element].face, {place.s, place.t}};
 }
 
-/* Whether vertex v belongs to the point q of the surface: that faces the same way, and the foot point next to
- * its place is no farther away than the steps between foot points and the distance explain. */
-static bool belongs(const pc_correspondence *c, const pc_target *target, const pc_footpoints *feet, pc_index v,
-                    pc_vec3 q, pc_vec3 normal) {
-    const double slack = 0.7;
-    pc_vec3 x = pc_vec3_at(target->mesh->position, v);
-    if (!(pc_dot(pc_vec3_at(target->normal, v), normal) > 0)) return false;
-    const pc_foot *foot = pc_footpoints_near(feet, c->spot[v].face, c->spot[v].at);
-    if (foot->lost) return false;
-    return pc_distance(foot->point, x) <= slack * pc_distance(q, x) + 2 * pc_footpoints_step(feet, c->spot[v].face);
+/* Whether a point of the scan belongs to a spot: the foot point next to that is near. */
+static bool belongs(const pc_footpoints *feet, const pc_spot *spot, pc_vec3 x, double distance) {
+    const double slack = getenv("SLACK") ? atof(getenv("SLACK")) : 0.7;
+    const pc_foot *foot = pc_footpoints_near(feet, spot->face, spot->at);
+    return !foot->lost && pc_distance(foot->point, x) <= slack * distance + 2 * pc_footpoints_step(feet, spot->face);
 }
 
 static void count_astray(pc_correspondence *c) {
@@ -35,41 +31,39 @@ void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, co
                               const pc_footpoints *feet) {
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index v = 0; v < c->count; v++) {
+        const pc_spot old = c->spot[v];
+        const pc_vec3 x = pc_vec3_at(target->mesh->position, v);
         pc_surface_place place = pc_correspondence_place(c, spline, v);
         if (place.element == PC_NONE) continue;
-        place = pc_nearest_from(spline, place, pc_vec3_at(target->mesh->position, v)).place;
+        place = pc_nearest_from(spline, place, x).place;
         put_place(c, spline, v, place);
-        pc_surface_point q = pc_tspline_evaluate(spline, place);
-        c->astray[v] = !belongs(c, target, feet, v, q.p, pc_cross(q.s, q.t));
+        const pc_surface_point q = pc_tspline_evaluate(spline, place);
+        c->astray[v] = !belongs(feet, c->spot + v, x, pc_distance(q.p, x)) ||
+                       !(pc_dot(pc_vec3_at(target->normal, v), pc_cross(q.s, q.t)) > 0);
+        if (getenv("NOHOLDV") || !c->astray[v] || !belongs(feet, &old, x, 0)) continue;
+        c->spot[v] = old;
+        c->astray[v] = 0;
     }
     count_astray(c);
 }
 
-/* Normal of the triangle of the facets. */
-static pc_vec3 facet_normal(const pc_facets *facets, pc_index t) {
-    const pc_index *corner = facets->mesh.triangle + 3 * (size_t)t;
-    pc_vec3 a = pc_vec3_at(facets->mesh.position, corner[0]);
-    return pc_cross(pc_sub(pc_vec3_at(facets->mesh.position, corner[1]), a),
-                    pc_sub(pc_vec3_at(facets->mesh.position, corner[2]), a));
-}
-
 pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
-                                 const pc_target *target, const pc_footpoints *feet) {
+                                 const pc_target *target, const pc_mesh *flat, const pc_footpoints *feet) {
     enum { PER_SIDE = 4 };
     pc_status status = PC_OK;
     pc_facets facets = {0};
     pc_bvh_hit *hits = NULL;
-    *c = (pc_correspondence){.count = target->mesh->vertex_count};
+    *c = (pc_correspondence){.count = flat->vertex_count};
     PC_TRY(pc_new(&c->spot, ctx, c->count));
     PC_TRY(pc_new(&c->astray, ctx, c->count));
     PC_TRY(pc_new(&hits, ctx, c->count));
     PC_TRY(pc_facets_make(&facets, ctx, spline, PER_SIDE, true));
-    pc_bvh_closest_all(hits, &facets.tree, target->mesh->position, c->count);
+    pc_bvh_closest_all(hits, &facets.tree, flat->position, c->count);
     for (pc_index v = 0; v < c->count; v++) {
         c->spot[v].face = PC_NONE;
         if (target->adjacency->vertex_half[v] == PC_NONE || hits[v].face == PC_NONE) continue;
         put_place(c, spline, v, pc_facets_place(&facets, hits[v].face, hits[v].weight));
-        c->astray[v] = !belongs(c, target, feet, v, hits[v].point, facet_normal(&facets, hits[v].face));
+        c->astray[v] = !belongs(feet, c->spot + v, pc_vec3_at(flat->position, v), hits[v].distance);
     }
     count_astray(c);
 done:

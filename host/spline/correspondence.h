@@ -19,13 +19,14 @@ typedef struct pc_correspondence {
     pc_index astray_count;
 } pc_correspondence;
 
-/* The nearest points of the bilinear faces between the control points, which are still on the scan; `feet` are
- * of the same faces. PC_E_NOMEM. */
+/* The nearest points of the bilinear faces between the control points from the vertices of `flat`, the scan
+ * that `feet` stand on (pc_bridge_make). PC_E_NOMEM. */
 pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
-                                 const pc_target *target, const pc_footpoints *feet);
+                                 const pc_target *target, const pc_mesh *flat, const pc_footpoints *feet);
 void pc_correspondence_free(pc_correspondence *c, pc_context *ctx);
 
-/* Every vertex moves to the nearest point in its neighbourhood. `feet` are those of the surface as it is now.
+/* Every vertex moves to the nearest point in its neighbourhood, or stays where only that place agrees with the
+ * feet. `feet` are those of the surface as it is now.
  * The same bytes for any number of threads. */
 void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
                               const pc_footpoints *feet);

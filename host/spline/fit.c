@@ -132,7 +132,7 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     pc_samples samples = {0};
     pc_energy_facts facts;
     PC_TRY(pc_check_interrupt(ctx));
-    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, &f->matching->feet, &f->matching->vertices));
+    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, stats->rounds || options->warm ? options->goal : 0));
     /* The first step moves places most; what comes later hardly changes the matrix. */
     PC_TRY(pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count,
                           options->fairness, samples.stiffness, !options->sliding || stats->rounds < 2));
@@ -140,8 +140,7 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     stats->samples = samples.count;
     stats->refused = samples.refused;
     PC_TRY(descend(f, ctx, facts.square + facts.bending));
-    PC_TRY(pc_footpoints_follow(&f->matching->feet, ctx, f->spline, f->target));
-    pc_correspondence_follow(&f->matching->vertices, f->spline, f->target, &f->matching->feet);
+    pc_matching_follow(f->matching, f->spline, f->target);
 done:
     pc_samples_free(&samples, ctx);
     return status;

@@ -5,6 +5,7 @@
 #define PC_FIT_H
 
 #include "device.h"
+#include "matching.h"
 #include "samples.h"
 
 typedef struct pc_fit_options {
@@ -15,16 +16,11 @@ typedef struct pc_fit_options {
     /* Learn from round to round how places slide along, by L-BFGS: fewer control points reach a tolerance,
      * but parts of the surface that have lost their samples may stray. */
     bool sliding;
+    double goal; bool warm;
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 1e-5, 3, 1e-8, false, NULL }
-
-/* What belongs to what, both ways. */
-typedef struct pc_matching {
-    pc_footpoints feet;
-    pc_correspondence vertices;
-} pc_matching;
+    { 1e-5, 3, 1e-8, false, 0, false, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples, refused; /* in the last round */

@@ -1,6 +1,7 @@
 #include "footpoints.h"
 #include "memory.h"
 #include <string.h>
+#include <stdlib.h>
 
 void pc_footpoints_at(double at[2], const pc_footpoints *feet, pc_index face, int i) {
     const double *size = feet->size + 2 * (size_t)face;
@@ -27,6 +28,14 @@ double pc_footpoints_step(const pc_footpoints *feet, pc_index face) {
     return fmax(one, other) / steps;
 }
 
+static pc_vec3 point_of(const pc_mesh *mesh, const pc_foot *foot) {
+    const pc_index *v = mesh->triangle + 3 * (size_t)foot->triangle;
+    pc_vec3 p = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        p = pc_madd(p, foot->weight[k], pc_vec3_at(mesh->position, v[k]));
+    return p;
+}
+
 static double try_triangle(pc_foot *best, double least, const pc_mesh *mesh, pc_index t, pc_vec3 p) {
     const pc_index *v = mesh->triangle + 3 * (size_t)t;
     double weight[3];
@@ -35,147 +44,187 @@ static double try_triangle(pc_foot *best, double least, const pc_mesh *mesh, pc_
                                pc_vec3_at(mesh->position, v[2]));
     if (!(square < least)) return least;
     best->triangle = t;
-    best->point = (pc_vec3){0, 0, 0};
-    for (int k = 0; k < 3; k++)
-        best->point = pc_madd(best->point, weight[k], pc_vec3_at(mesh->position, v[k]));
+    memcpy(best->weight, weight, sizeof weight);
     return square;
 }
 
-/* From a triangle downhill to the nearest point of the scan, over all that touch the present one. */
-static pc_foot walk(const pc_target *target, pc_index from, pc_vec3 p) {
+/* From a triangle downhill to the nearest point of the mesh, over all triangles that touch the present one. */
+static pc_foot walk(const pc_mesh *mesh, const pc_adjacency *adjacency, pc_index from, pc_vec3 p) {
     enum { MOST_STEPS = 200 };
-    const pc_mesh *mesh = target->mesh;
     pc_foot best = {.triangle = from};
     double least = try_triangle(&best, INFINITY, mesh, from, p);
     for (int i = 0; i < MOST_STEPS; i++) {
         const pc_index here = best.triangle;
         for (pc_index k = 0; k < 3; k++) {
-            pc_index first = target->adjacency->vertex_half[mesh->triangle[3 * here + k]], h = first;
+            pc_index first = adjacency->vertex_half[mesh->triangle[3 * here + k]], h = first;
             do {
                 if (h / 3 != here) least = try_triangle(&best, least, mesh, h / 3, p);
-                h = pc_turn_ccw(target->adjacency, h);
+                h = pc_turn_ccw(adjacency, h);
             } while (h != first && h != PC_NONE);
         }
         if (best.triangle == here) break;
     }
+    best.point = point_of(mesh, &best);
     return best;
 }
 
-static bool faces(const pc_target *target, pc_index t, pc_vec3 normal) {
-    const pc_index *v = target->mesh->triangle + 3 * (size_t)t;
-    pc_vec3 a = pc_vec3_at(target->mesh->position, v[0]);
-    pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(target->mesh->position, v[1]), a),
-                         pc_sub(pc_vec3_at(target->mesh->position, v[2]), a));
+static bool faces(const pc_mesh *mesh, pc_index t, pc_vec3 normal) {
+    const pc_index *v = mesh->triangle + 3 * (size_t)t;
+    pc_vec3 a = pc_vec3_at(mesh->position, v[0]);
+    pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, v[1]), a),
+                         pc_sub(pc_vec3_at(mesh->position, v[2]), a));
     return pc_dot(n, normal) > 0;
 }
 
+enum { MOST_PER_SIDE = 16, MOST_POINTS = MOST_PER_SIDE * MOST_PER_SIDE };
+
+/* The points of one face's grid, and its normals there. */
+typedef struct grid {
+    pc_vec3 point[MOST_POINTS], normal[MOST_POINTS];
+} grid;
+
 /* Those that are lost go on from one beside them. */
-static void rescue(pc_footpoints *feet, const pc_target *target, pc_foot *grid, const pc_vec3 *point,
-                   const pc_vec3 *normal) {
-    const int n = feet->per_side;
-    bool more = true;
-    while (more) {
+static void rescue(pc_foot *foot, int n, const pc_mesh *mesh, const pc_adjacency *adjacency, const grid *g) {
+    for (bool more = true; more;) {
         more = false;
         for (int i = 0; i < n * n; i++) {
             const int beside[4] = {i % n ? i - 1 : i, (i + 1) % n ? i + 1 : i, i >= n ? i - n : i,
                                    i + n < n * n ? i + n : i};
-            for (int k = 0; k < 4 && grid[i].lost; k++) {
-                if (grid[beside[k]].lost) continue;
-                pc_foot foot = walk(target, grid[beside[k]].triangle, point[i]);
-                if (!faces(target, foot.triangle, normal[i])) continue;
-                grid[i] = foot;
+            for (int k = 0; k < 4 && foot[i].lost; k++) {
+                if (foot[beside[k]].lost) continue;
+                pc_foot next = walk(mesh, adjacency, foot[beside[k]].triangle, g->point[i]);
+                if (!faces(mesh, next.triangle, g->normal[i])) continue;
+                foot[i] = next;
                 more = true;
             }
         }
     }
 }
 
-enum { MOST_PER_SIDE = 16 };
+/* Between two points beside each other the scan is missing: a groove that the surface still bridges, or the
+ * edge of another sheet. */
+static bool is_gap(const pc_foot *a, const pc_foot *b, pc_vec3 p, pc_vec3 q) {
+    const double most_stretch = 3;
+    return a->lost || b->lost || pc_distance(a->point, b->point) > most_stretch * pc_distance(p, q);
+}
+
+static bool is_torn(const pc_foot *foot, int n, const grid *g) {
+    for (int i = 0; i < n * n; i++) {
+        if ((i + 1) % n && is_gap(foot + i, foot + i + 1, g->point[i], g->point[i + 1])) return true;
+        if (i + n < n * n && is_gap(foot + i, foot + i + n, g->point[i], g->point[i + n])) return true;
+    }
+    return false;
+}
 
 static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target, pc_index f) {
-    const int count = feet->per_side * feet->per_side;
-    pc_foot *grid = feet->foot + (size_t)f * (size_t)count;
-    pc_vec3 point[MOST_PER_SIDE * MOST_PER_SIDE], normal[MOST_PER_SIDE * MOST_PER_SIDE];
+    const int n = feet->per_side, count = n * n;
+    pc_foot *old = feet->foot + (size_t)f * (size_t)count, next[MOST_POINTS];
+    grid g;
     for (int i = 0; i < count; i++) {
         double at[2];
         pc_footpoints_at(at, feet, f, i);
         pc_surface_point x = pc_tspline_evaluate(spline, pc_tspline_place(spline, f, at[0], at[1]));
-        point[i] = x.p, normal[i] = pc_cross(x.s, x.t);
-        grid[i] = walk(target, grid[i].triangle, point[i]);
-        grid[i].lost = !faces(target, grid[i].triangle, normal[i]);
+        g.point[i] = x.p, g.normal[i] = pc_cross(x.s, x.t);
+        next[i] = walk(target->mesh, target->adjacency, old[i].triangle, g.point[i]);
+        next[i].lost = !faces(target->mesh, next[i].triangle, g.normal[i]);
     }
-    rescue(feet, target, grid, point, normal);
+    rescue(next, n, target->mesh, target->adjacency, &g);
+    feet->held[f] = is_torn(next, n, &g);
+    if (!getenv("NOHOLD") && feet->held[f] && !feet->torn[f]) return;
+    feet->torn[f] = feet->held[f];
+    memcpy(old, next, (size_t)count * sizeof *old);
 }
 
-pc_status pc_footpoints_follow(pc_footpoints *feet, pc_context *ctx, const pc_tspline *spline,
-                               const pc_target *target) {
-    (void)ctx;
+void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target) {
 #pragma omp parallel for schedule(dynamic, 16)
     for (pc_index f = 0; f < feet->face_count; f++)
         if (!spline->mesh.face[f].ghost) follow_face(feet, spline, target, f);
-    return PC_OK;
 }
 
-/* From the foot of the nearest corner along the flat face: what lies between leads to the right sheet. */
-static void start_face(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target, pc_index f,
-                       const pc_bvh_hit *hit) {
-    enum { STEPS = 4 };
-    const int n = feet->per_side;
+/* The grid of the bilinear face. */
+static void flat_grid(grid *g, const pc_footpoints *feet, const pc_tspline *spline, pc_index f) {
     const double *size = spline->mesh.face[f].size;
-    pc_foot *grid = feet->foot + (size_t)f * (size_t)(n * n);
-    pc_vec3 corner[4], point[MOST_PER_SIDE * MOST_PER_SIDE], normal[MOST_PER_SIDE * MOST_PER_SIDE];
-    pc_index start[4];
-    pc_tface_corners(start, &spline->mesh, f);
-    for (int k = 0; k < 4; k++) {
-        corner[k] = pc_vec3_at(spline->position, start[k]);
-        start[k] = hit[start[k]].face;
-    }
-    for (int i = 0; i < n * n; i++) {
+    pc_index corner[4];
+    pc_vec3 c[4];
+    pc_tface_corners(corner, &spline->mesh, f);
+    for (int k = 0; k < 4; k++)
+        c[k] = pc_vec3_at(spline->position, corner[k]);
+    for (int i = 0; i < feet->per_side * feet->per_side; i++) {
         double at[2];
         pc_footpoints_at(at, feet, f, i);
         const double u = at[0] / size[0], v = at[1] / size[1];
-        const int k = u < 0.5 ? (v < 0.5 ? 0 : 3) : (v < 0.5 ? 1 : 2);
-        const pc_vec3 along = pc_madd(pc_scale(1 - v, pc_sub(corner[1], corner[0])), v,
-                                      pc_sub(corner[2], corner[3]));
-        const pc_vec3 across = pc_madd(pc_scale(1 - u, pc_sub(corner[3], corner[0])), u,
-                                       pc_sub(corner[2], corner[1]));
-        point[i] = pc_madd(pc_madd(corner[0], u, pc_sub(corner[1], corner[0])), v, across);
-        normal[i] = pc_cross(along, across);
-        grid[i].triangle = start[k];
-        for (int step = 1; step <= STEPS; step++)
-            grid[i] = walk(target, grid[i].triangle,
-                           pc_madd(corner[k], (double)step / STEPS, pc_sub(point[i], corner[k])));
-        grid[i].lost = !faces(target, grid[i].triangle, normal[i]);
+        const pc_vec3 along = pc_madd(pc_scale(1 - v, pc_sub(c[1], c[0])), v, pc_sub(c[2], c[3]));
+        const pc_vec3 across = pc_madd(pc_scale(1 - u, pc_sub(c[3], c[0])), u, pc_sub(c[2], c[1]));
+        g->point[i] = pc_madd(pc_madd(c[0], u, pc_sub(c[1], c[0])), v, across);
+        g->normal[i] = pc_cross(along, across);
     }
-    rescue(feet, target, grid, point, normal);
+}
+
+/* From the nearest corner along the flat face: what lies between leads to the right sheet. */
+static void land_face(pc_footpoints *feet, const pc_tspline *spline, const pc_mesh *scan,
+                      const pc_adjacency *adjacency, const pc_index *at, pc_index f) {
+    enum { STEPS = 4 };
+    const int n = feet->per_side;
+    pc_foot *foot = feet->foot + (size_t)f * (size_t)(n * n);
+    grid g;
+    pc_index corner[4];
+    flat_grid(&g, feet, spline, f);
+    pc_tface_corners(corner, &spline->mesh, f);
+    for (int i = 0; i < n * n; i++) {
+        const bool right = 2 * (i % n) + 1 > n, upper = 2 * (i / n) + 1 > n;
+        const int k = upper ? (right ? 2 : 3) : (right ? 1 : 0);
+        const pc_vec3 c = pc_vec3_at(spline->position, corner[k]);
+        foot[i].triangle = at[corner[k]];
+        for (int step = 1; step <= STEPS; step++)
+            foot[i] = walk(scan, adjacency, foot[i].triangle,
+                           pc_madd(c, (double)step / STEPS, pc_sub(g.point[i], c)));
+        foot[i].lost = !faces(scan, foot[i].triangle, g.normal[i]);
+    }
+    rescue(foot, n, scan, adjacency, &g);
+    feet->torn[f] = is_torn(foot, n, &g);
+}
+
+void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_mesh *scan,
+                        const pc_adjacency *adjacency, const pc_index *at) {
+#pragma omp parallel for schedule(dynamic, 16)
+    for (pc_index f = 0; f < feet->face_count; f++)
+        if (!spline->mesh.face[f].ghost) land_face(feet, spline, scan, adjacency, at, f);
+}
+
+void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan) {
+    const size_t count = (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
+    for (size_t i = 0; i < count; i++)
+        if (feet->foot[i].triangle != PC_NONE) feet->foot[i].point = point_of(scan, feet->foot + i);
+}
+
+/* Feet i and j of face f are beside each other there. */
+bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j) {
+    grid g;
+    const pc_foot *foot = feet->foot + (size_t)f * (size_t)(feet->per_side * feet->per_side);
+    flat_grid(&g, feet, spline, f);
+    return is_gap(foot + i, foot + j, g.point[i], g.point[j]);
 }
 
 static pc_status make_room(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh) {
     pc_status status = PC_OK;
+    const size_t count = (size_t)mesh->face_count * (size_t)(feet->per_side * feet->per_side);
     feet->face_count = mesh->face_count;
-    PC_TRY(pc_new(&feet->foot, ctx, (size_t)mesh->face_count * (size_t)(feet->per_side * feet->per_side)));
+    PC_TRY(pc_new(&feet->foot, ctx, count));
     PC_TRY(pc_new(&feet->size, ctx, 2 * (size_t)mesh->face_count));
+    PC_TRY(pc_new(&feet->torn, ctx, mesh->face_count));
+    PC_TRY(pc_new(&feet->held, ctx, mesh->face_count));
     for (pc_index f = 0; f < mesh->face_count; f++)
         memcpy(feet->size + 2 * (size_t)f, mesh->face[f].size, 2 * sizeof *feet->size);
+    for (size_t i = 0; i < count; i++)
+        feet->foot[i].triangle = PC_NONE;
 done:
     return status;
 }
 
-pc_status pc_footpoints_make(pc_footpoints *feet, pc_context *ctx, const pc_tspline *spline,
-                             const pc_target *target, int per_side) {
-    pc_status status = PC_OK;
-    pc_bvh_hit *hit = NULL;
-    *feet = (pc_footpoints){.per_side = per_side < 1               ? 1
-                                        : per_side > MOST_PER_SIDE ? MOST_PER_SIDE
-                                                                   : per_side};
-    PC_TRY(make_room(feet, ctx, &spline->mesh));
-    PC_TRY(pc_new(&hit, ctx, spline->mesh.vertex_count));
-    pc_bvh_closest_all(hit, &target->tree, spline->position, spline->mesh.vertex_count);
-#pragma omp parallel for schedule(dynamic, 16)
-    for (pc_index f = 0; f < feet->face_count; f++)
-        if (!spline->mesh.face[f].ghost) start_face(feet, spline, target, f, hit);
-done:
-    pc_free(ctx, hit);
+pc_status pc_footpoints_make(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh, int per_side) {
+    const int most = MOST_PER_SIDE;
+    *feet = (pc_footpoints){.per_side = per_side < 2 ? 2 : per_side > most ? most : per_side};
+    pc_status status = make_room(feet, ctx, mesh);
     if (status != PC_OK) pc_footpoints_free(feet, ctx);
     return status;
 }
@@ -183,21 +232,49 @@ done:
 void pc_footpoints_free(pc_footpoints *feet, pc_context *ctx) {
     pc_free(ctx, feet->foot);
     pc_free(ctx, feet->size);
+    pc_free(ctx, feet->torn);
+    pc_free(ctx, feet->held);
     *feet = (pc_footpoints){0};
 }
 
-pc_status pc_footpoints_carry(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *refined) {
+/* The point between the feet around a place on a face, by their parameters; beyond the outer ones straight
+ * on. */
+static pc_vec3 interpolated(const pc_footpoints *feet, pc_index face, const double at[2]) {
+    const int n = feet->per_side;
+    const pc_foot *foot = feet->foot + (size_t)face * (size_t)(n * n);
+    int cell[2];
+    double part[2];
+    for (size_t k = 0; k < 2; k++) {
+        const double x = at[k] / feet->size[2 * (size_t)face + k] * n - 0.5;
+        cell[k] = x < 0 ? 0 : x > n - 2 ? n - 2 : (int)x;
+        part[k] = x - cell[k];
+    }
+    const pc_foot *a = foot + cell[0] + cell[1] * n;
+    const pc_vec3 low = pc_madd(a[0].point, part[0], pc_sub(a[1].point, a[0].point));
+    const pc_vec3 high = pc_madd(a[n].point, part[0], pc_sub(a[n + 1].point, a[n].point));
+    return pc_madd(low, part[1], pc_sub(high, low));
+}
+
+pc_status pc_footpoints_carry(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *refined,
+                              const pc_target *target) {
     pc_status status = PC_OK;
     const size_t each = (size_t)(feet->per_side * feet->per_side);
     pc_footpoints finer = {.per_side = feet->per_side};
     PC_TRY(make_room(&finer, ctx, refined));
+#pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < refined->face_count; f++) {
         const pc_tface *face = refined->face + f;
-        for (size_t i = 0; i < each && !face->ghost; i++) {
+        if (face->ghost) continue;
+        finer.torn[f] = feet->torn[face->root];
+        for (size_t i = 0; i < each; i++) {
             double at[2];
             pc_footpoints_at(at, &finer, f, (int)i);
             at[0] += face->origin[0], at[1] += face->origin[1];
-            finer.foot[f * each + i] = *pc_footpoints_near(feet, face->root, at);
+            const pc_foot *from = pc_footpoints_near(feet, face->root, at);
+            pc_foot *to = finer.foot + f * each + i;
+            *to = *from;
+            if (finer.torn[f]) continue;
+            *to = walk(target->mesh, target->adjacency, from->triangle, interpolated(feet, face->root, at));
         }
     }
     pc_footpoints_free(feet, ctx);

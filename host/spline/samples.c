@@ -1,6 +1,7 @@
 #include "samples.h"
 #include "memory.h"
 #include <math.h>
+#include <stdlib.h>
 
 typedef struct gathering {
     const pc_tspline *spline;
@@ -9,6 +10,7 @@ typedef struct gathering {
     const pc_correspondence *correspondence;
     pc_sample *raw; /* of the scan's vertices, then of the grids; element PC_NONE: refused */
     size_t count, vertices;
+    double goal;
     size_t *per_face; /* 2 per face: of vertices, of the grid */
 } gathering;
 
@@ -30,7 +32,7 @@ static void sample_grids(gathering *g) {
             const pc_foot *foot = feet->foot + f * each + i;
             pc_sample *to = g->raw + g->vertices + f * each + i;
             *to = (pc_sample){.place.element = PC_NONE, .target = foot->point};
-            if (g->spline->mesh.face[f].ghost || foot->lost) continue;
+            if (g->spline->mesh.face[f].ghost || (foot->lost && !getenv("ALL"))) continue;
             double at[2];
             pc_footpoints_at(at, feet, f, (int)i);
             to->place = pc_tspline_place(g->spline, f, at[0], at[1]);
@@ -53,8 +55,10 @@ static pc_status count_samples(gathering *g, pc_context *ctx) {
 static double weight_of(const gathering *g, size_t i) {
     const size_t *count = g->per_face + 2 * (size_t)face_of(g, g->raw + i);
     const double full = (double)(g->feet->per_side * g->feet->per_side);
-    const double vertices = 0.5 * fmin(1, (double)count[0] / full);
-    return i < g->vertices ? vertices / (double)count[0] : (1 - vertices) / full;
+    const double vertices = 0.5 * (double)count[0] / ((double)count[0] + 4);
+    const double far = g->goal > 0 ? pc_distance(pc_tspline_point(g->spline, g->raw[i].place), g->raw[i].target) / g->goal : 0;
+    const double cap = getenv("CAP") ? atof(getenv("CAP")) : 30, pw = getenv("PW") ? atof(getenv("PW")) : 1;
+    return (i < g->vertices ? vertices / (double)count[0] : (1 - vertices) / full) * fmin(pow(fmax(far,1),pw), cap);
 }
 
 static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx) {
@@ -80,7 +84,7 @@ done:
 
 /* Where the grid has lost points, fairing has to keep the surface in shape. */
 static pc_status stiffen(pc_samples *samples, const gathering *g, pc_context *ctx) {
-    const double most = 1000, full = (double)(g->feet->per_side * g->feet->per_side);
+    const double most = getenv("STIFF") ? atof(getenv("STIFF")) : 1000, full = (double)(g->feet->per_side * g->feet->per_side);
     const pc_basis *basis = &g->spline->basis;
     pc_status status = pc_new(&samples->stiffness, ctx, basis->element_count);
     for (pc_index e = 0; e < basis->element_count && status == PC_OK; e++) {
@@ -91,10 +95,11 @@ static pc_status stiffen(pc_samples *samples, const gathering *g, pc_context *ct
 }
 
 pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
-                          const pc_target *target, const pc_footpoints *feet,
-                          const pc_correspondence *correspondence) {
+                          const pc_target *target, const pc_matching *matching, double goal) {
     pc_status status = PC_OK;
-    gathering g = {.spline = spline, .target = target, .feet = feet, .correspondence = correspondence};
+    const pc_footpoints *feet = &matching->feet;
+    const pc_correspondence *correspondence = &matching->vertices;
+    gathering g = {.spline = spline, .target = target, .feet = feet, .correspondence = correspondence, .goal = goal};
     *samples = (pc_samples){0};
     g.vertices = correspondence->count;
     g.count = g.vertices + (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);

@@ -1,0 +1,38 @@
+#include "matching.h"
+#include "bridge.h"
+#include "memory.h"
+
+pc_status pc_matching_make(pc_matching *matching, pc_context *ctx, const pc_tspline *spline,
+                           const pc_target *target, int per_side) {
+    pc_status status = PC_OK;
+    pc_mesh flat = {0};
+    *matching = (pc_matching){0};
+    PC_TRY(pc_footpoints_make(&matching->feet, ctx, &spline->mesh, per_side));
+    PC_TRY(pc_bridge_make(&flat, &matching->feet, ctx, spline, target));
+    PC_TRY(pc_correspondence_make(&matching->vertices, ctx, spline, target, &flat, &matching->feet));
+    pc_footpoints_lift(&matching->feet, target->mesh);
+done:
+    pc_free(ctx, flat.position);
+    if (status != PC_OK) pc_matching_free(matching, ctx);
+    return status;
+}
+
+void pc_matching_free(pc_matching *matching, pc_context *ctx) {
+    pc_footpoints_free(&matching->feet, ctx);
+    pc_correspondence_free(&matching->vertices, ctx);
+}
+
+void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target) {
+    pc_footpoints_follow(&matching->feet, spline, target);
+    pc_correspondence_follow(&matching->vertices, spline, target, &matching->feet);
+}
+
+pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tspline *refined,
+                            const pc_target *target) {
+    pc_status status = PC_OK;
+    PC_TRY(pc_correspondence_carry(&matching->vertices, ctx, &refined->mesh));
+    PC_TRY(pc_footpoints_carry(&matching->feet, ctx, &refined->mesh, target));
+    pc_matching_follow(matching, refined, target);
+done:
+    return status;
+}
