@@ -18,7 +18,7 @@ static void put_place(pc_correspondence *c, const pc_tspline *spline, pc_index v
 static bool belongs(const pc_footpoints *feet, const pc_spot *spot, pc_vec3 x, double distance) {
     const double slack = getenv("SLACK") ? atof(getenv("SLACK")) : 0.7;
     const pc_foot *foot = pc_footpoints_near(feet, spot->face, spot->at);
-    return !foot->lost && pc_distance(foot->point, x) <= slack * distance + 2 * pc_footpoints_step(feet, spot->face);
+    return (!foot->lost || getenv("ALLV")) && pc_distance(foot->point, x) <= slack * distance + 2 * pc_footpoints_step(feet, spot->face);
 }
 
 static void count_astray(pc_correspondence *c) {
@@ -39,7 +39,7 @@ void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, co
         put_place(c, spline, v, place);
         const pc_surface_point q = pc_tspline_evaluate(spline, place);
         c->astray[v] = !belongs(feet, c->spot + v, x, pc_distance(q.p, x)) ||
-                       !(pc_dot(pc_vec3_at(target->normal, v), pc_cross(q.s, q.t)) > 0);
+                       (!getenv("NOFACE") && !(pc_dot(pc_vec3_at(target->normal, v), pc_cross(q.s, q.t)) > 0));
         if (getenv("NOHOLDV") || !c->astray[v] || !belongs(feet, &old, x, 0)) continue;
         c->spot[v] = old;
         c->astray[v] = 0;

@@ -4,6 +4,7 @@
 #include "secants.h"
 #include "threefold.h"
 #include <string.h>
+#include <stdlib.h>
 
 /* Half the diagonal of the box around the control points. */
 static double extent_of(const pc_tspline *spline) {
@@ -132,7 +133,7 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     pc_samples samples = {0};
     pc_energy_facts facts;
     PC_TRY(pc_check_interrupt(ctx));
-    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, stats->rounds || options->warm ? options->goal : 0));
+    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, stats->rounds || options->warm ? options->goal : 0, getenv("UNFOLD") && options->warm && stats->rounds == 0));
     /* The first step moves places most; what comes later hardly changes the matrix. */
     PC_TRY(pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count,
                           options->fairness, samples.stiffness, !options->sliding || stats->rounds < 2));

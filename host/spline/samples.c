@@ -2,6 +2,7 @@
 #include "memory.h"
 #include <math.h>
 #include <stdlib.h>
+#include <stdbool.h>
 
 typedef struct gathering {
     const pc_tspline *spline;
@@ -10,15 +11,23 @@ typedef struct gathering {
     const pc_correspondence *correspondence;
     pc_sample *raw; /* of the scan's vertices, then of the grids; element PC_NONE: refused */
     size_t count, vertices;
-    double goal;
+    double goal; bool unfold;
     size_t *per_face; /* 2 per face: of vertices, of the grid */
 } gathering;
+
+static double opposed_share(const gathering *g, pc_index f) {
+    const int full = g->feet->per_side * g->feet->per_side;
+    int lost = 0;
+    for (int i = 0; i < full; i++) lost += g->feet->foot[f * (size_t)full + (size_t)i].lost;
+    return (double)lost / full;
+}
 
 static void sample_vertices(gathering *g) {
 #pragma omp parallel for schedule(static)
     for (pc_index v = 0; v < g->vertices; v++) {
         pc_surface_place place = {PC_NONE, 0, 0};
         if (!g->correspondence->astray[v]) place = pc_correspondence_place(g->correspondence, g->spline, v);
+        if (g->unfold && place.element != PC_NONE && opposed_share(g, g->spline->basis.element[place.element].face) > 0.2) place.element = PC_NONE;
         g->raw[v] = (pc_sample){.place = place, .target = pc_vec3_at(g->target->mesh->position, v)};
     }
 }
@@ -27,16 +36,18 @@ static void sample_grids(gathering *g) {
     const pc_footpoints *feet = g->feet;
     const size_t each = (size_t)(feet->per_side * feet->per_side);
 #pragma omp parallel for schedule(static)
-    for (pc_index f = 0; f < feet->face_count; f++)
+    for (pc_index f = 0; f < feet->face_count; f++) {
+        const bool drop = g->unfold && opposed_share(g, f) > 0.2;
         for (size_t i = 0; i < each; i++) {
             const pc_foot *foot = feet->foot + f * each + i;
             pc_sample *to = g->raw + g->vertices + f * each + i;
             *to = (pc_sample){.place.element = PC_NONE, .target = foot->point};
-            if (g->spline->mesh.face[f].ghost || (foot->lost && !getenv("ALL"))) continue;
+            if (g->spline->mesh.face[f].ghost || (foot->lost && !getenv("ALL")) || drop) continue;
             double at[2];
             pc_footpoints_at(at, feet, f, (int)i);
             to->place = pc_tspline_place(g->spline, f, at[0], at[1]);
         }
+    }
 }
 
 static pc_index face_of(const gathering *g, const pc_sample *sample) {
@@ -84,22 +95,22 @@ done:
 
 /* Where the grid has lost points, fairing has to keep the surface in shape. */
 static pc_status stiffen(pc_samples *samples, const gathering *g, pc_context *ctx) {
-    const double most = getenv("STIFF") ? atof(getenv("STIFF")) : 1000, full = (double)(g->feet->per_side * g->feet->per_side);
+    const double most = getenv("STIFF") ? atof(getenv("STIFF")) : 1000;
     const pc_basis *basis = &g->spline->basis;
     pc_status status = pc_new(&samples->stiffness, ctx, basis->element_count);
     for (pc_index e = 0; e < basis->element_count && status == PC_OK; e++) {
-        const double lack = 1 - (double)g->per_face[2 * (size_t)basis->element[e].face + 1] / full;
+        const double lack = g->unfold && opposed_share(g, basis->element[e].face) > 0.2 ? 1 : 0;
         samples->stiffness[e] = 1 + (most - 1) * lack;
     }
     return status;
 }
 
 pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
-                          const pc_target *target, const pc_matching *matching, double goal) {
+                          const pc_target *target, const pc_matching *matching, double goal, bool unfold) {
     pc_status status = PC_OK;
     const pc_footpoints *feet = &matching->feet;
     const pc_correspondence *correspondence = &matching->vertices;
-    gathering g = {.spline = spline, .target = target, .feet = feet, .correspondence = correspondence, .goal = goal};
+    gathering g = {.spline = spline, .target = target, .feet = feet, .correspondence = correspondence, .goal = goal, .unfold = unfold};
     *samples = (pc_samples){0};
     g.vertices = correspondence->count;
     g.count = g.vertices + (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);

@@ -16,7 +16,7 @@ typedef struct pc_samples {
 /* The foot points of every face, and the vertices of the scan at their places. The weights of a face sum to 1
  * where no foot point is lost. PC_E_NOMEM. */
 pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
-                          const pc_target *target, const pc_matching *matching, double goal);
+                          const pc_target *target, const pc_matching *matching, double goal, bool unfold);
 void pc_samples_free(pc_samples *samples, pc_context *ctx);
 
 #endif
