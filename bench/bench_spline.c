@@ -108,11 +108,11 @@ static pc_status measure(pc_context *ctx, int argc, char **argv) {
         "{\"bench\": \"spline\", \"faces\": %u, \"quads\": %u, \"first_points\": %u, \"first_max_percent\": "
         "%.4f, \"points\": %u, \"junctions\": %u, \"rounds\": %d, \"max_percent\": %.4f, "
         "\"scan_max_percent\": %.4f, \"surface_max_percent\": %.4f, \"mean_percent\": %.5f, \"elements\": "
-        "%u, \"refused\": %zu, \"make_s\": %.2f, \"adapt_s\": %.2f}\n",
+        "%u, \"make_s\": %.2f, \"adapt_s\": %.2f}\n",
         in.mesh.face_count, in.quads.face_count, stats.first_points, stats.first_max * percent,
         spline.mesh.vertex_count, stats.junctions, stats.rounds, stats.accuracy.max * percent,
         stats.accuracy.scan_max * percent, stats.accuracy.surface_max * percent,
-        stats.accuracy.scan_mean * percent, spline.basis.element_count, stats.fit.refused,
+        stats.accuracy.scan_mean * percent, spline.basis.element_count,
         made - begin, end - made);
     print_continuity(&spline);
     PC_TRY(write_step(ctx, &spline, in.target.diagonal, argv[1]));

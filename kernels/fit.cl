@@ -46,7 +46,7 @@ inline void add_bending(double *y, const double *factor, global const double *pl
 kernel void fit_local(global double *restrict local_sums, global double *restrict tally,
                       global const uint *restrict first, global const double *restrict sample,
                       global const double *restrict bezier, global const double *restrict bending,
-                      global const double *restrict plate, const uint count, const uint chunk, const uint values) {
+                      global const double *restrict plate, const uint count, const uint chunk) {
     const uint from = get_global_id(0) * chunk, to = min(from + chunk, count);
     for (uint e = from; e < to; e++) {
         double moment[49], pull[48], total = 0, weight = 0, stiff = 0;
@@ -81,7 +81,6 @@ kernel void fit_local(global double *restrict local_sums, global double *restric
                     pull[3 * k + d] += w * (s[k % 4] * t[k / 4]) * r[d];
             total += w * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
             weight += w;
-            if (!values) continue;
             powers(s, 6, p[0]);
             powers(t, 6, p[1]);
             for (int j = 0; j < 7; j++)
@@ -131,13 +130,13 @@ kernel void fit_rows(global double *restrict value, global double *restrict diag
                      global const uint *restrict slot_start, global const ushort *restrict slot,
                      global const uint *restrict functions, global const uint *restrict coefficient_start,
                      global const double *restrict coefficient, global const double *restrict local_sums,
-                     global const double *restrict plate, const uint count, const uint chunk, const uint values) {
+                     global const double *restrict plate, const uint count, const uint chunk) {
     const uint from = get_global_id(0) * chunk, to = min(from + chunk, count);
     for (uint row = from; row < to; row++) {
         global const ushort *own = slot + slot_start[row];
         global double *entry = value + start[row];
         double own_diagonal = 0, sum_x = 0, sum_y = 0, sum_z = 0;
-        for (uint k = start[row]; k < start[row + 1] && values; k++)
+        for (uint k = start[row]; k < start[row + 1]; k++)
             value[k] = 0;
         for (uint u = use_start[row]; u < use_start[row + 1]; u++) {
             const uint e = use_element[u];
@@ -152,8 +151,8 @@ kernel void fit_rows(global double *restrict value, global double *restrict diag
                 sum_y += c[k] * sums[PULL + 3 * k + 1];
                 sum_z += c[k] * sums[PULL + 3 * k + 2];
             }
-            if (values) apply_local(y, sums, plate, c);
-            for (uint k = 0; k < number && values; k++) {
+            apply_local(y, sums, plate, c);
+            for (uint k = 0; k < number; k++) {
                 if (own[k] == SLOT_FIXED) continue;
                 double other[16], sum = 0;
                 coefficients(other, all + stride * k, irregular);

@@ -33,7 +33,6 @@ static void put_facts(pc_json *facts, const pc_held_spline *spline) {
     pc_json_number(facts, "error", stats->accuracy.max);
     pc_json_number(facts, "tolerance", spline->tolerance);
     pc_json_integer(facts, "samples", (int64_t)stats->fit.samples);
-    pc_json_integer(facts, "samples_refused", (int64_t)stats->fit.refused);
 }
 
 /* The quads as a control mesh: no vertex inside may be between two of them only. */

@@ -1,7 +1,5 @@
 #include "accuracy.h"
 #include "memory.h"
-#include <stdio.h>
-#include <stdlib.h>
 
 enum { MOST_PER_SIDE = 24 };
 
@@ -91,16 +89,12 @@ static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_co
     for (pc_index v = 0; v < mesh->vertex_count; v++) {
         if (target->adjacency->vertex_half[v] == PC_NONE || nearest[v].place.element == PC_NONE) continue;
         pc_index f = spline->basis.element[nearest[v].place.element].face;
-        if (correspondence && correspondence->spot[v].face != PC_NONE && !correspondence->astray[v]) f = correspondence->spot[v].face;
+        if (correspondence && correspondence->spot[v].face != PC_NONE) f = correspondence->spot[v].face;
         used++;
         accuracy->scan_mean += nearest[v].distance;
         accuracy->scan_max = fmax(accuracy->scan_max, nearest[v].distance);
         if (error) error[f].max = fmax(error[f].max, nearest[v].distance);
     }
-    if (getenv("DBG") && correspondence) { for (int k=0;k<4;k++){ pc_index w=0; for(pc_index v=0;v<mesh->vertex_count;v++) if (nearest[v].distance>nearest[w].distance && nearest[v].distance<1e300) w=v;
-      pc_vec3 x=pc_vec3_at(mesh->position,w), n=pc_vec3_at(target->normal,w); pc_surface_place pl=pc_correspondence_place(correspondence,spline,w); pc_vec3 q=pc_tspline_point(spline,pl);
-      pc_surface_point y=pc_tspline_evaluate(spline,pl); pc_vec3 m=pc_unit(pc_cross(y.s,y.t));
-      fprintf(stderr,"vertex %u (%.4g %.4g %.4g) d %.4g nearest (%.4g %.4g %.4g) f%u; spot f%u (%.4g %.4g %.4g) d %.4g astray %d cos %.2f border %d\n",w,x.x,x.y,x.z,nearest[w].distance,nearest[w].point.x,nearest[w].point.y,nearest[w].point.z,spline->basis.element[nearest[w].place.element].face,correspondence->spot[w].face,q.x,q.y,q.z,pc_distance(q,x),correspondence->astray[w],pc_dot(m,n),target->adjacency->vertex_boundary[w]); nearest[w].distance=0; } }
     if (used) accuracy->scan_mean /= (double)used;
     accuracy->samples += used;
 done:

@@ -2,7 +2,6 @@
 #include "insertion.h"
 #include "memory.h"
 #include <stdlib.h>
-#include <stdio.h>
 #include <string.h>
 
 static int descending(const void *x, const void *y) {
@@ -69,25 +68,20 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
     pc_adapt_stats *stats = a->stats;
     pc_accuracy *accuracy = &stats->accuracy;
-    pc_fit_options fo = a->options->fit; fo.goal = getenv("NOGOAL") ? 0 : 0.5*a->options->tolerance; fo.warm = stats->rounds > 0;
-    PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fo));
+    pc_fit_options fitting = a->options->fit;
+    fitting.near = 0.5 * a->options->tolerance;
+    fitting.rough = stats->rounds == 0;
+    PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fitting));
     pc_free(ctx, a->error), a->error = NULL;
     PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
     PC_TRY(pc_accuracy_measure(accuracy, a->error, ctx, a->spline, a->target, &a->matching.vertices,
                                a->options->per_side));
-/*DBG*/ if (getenv("DBG")) { pc_index w=0; for (pc_index f=0;f<a->spline->mesh.face_count;f++) if (a->error[f].max>a->error[w].max) w=f;
-      const pc_tspline*S=a->spline; int n=a->matching.feet.per_side; pc_index c[4]; pc_tface_corners(c,&S->mesh,w);
-      fprintf(stderr,"worst face %u err %g size %g %g irregular %d corners", w, a->error[w].max, S->mesh.face[w].size[0],S->mesh.face[w].size[1], pc_tface_is_irregular(&S->mesh,w));
-      for(int k=0;k<4;k++) fprintf(stderr," %u(%d)(%.4g %.4g %.4g)",c[k],S->mesh.vertex[c[k]].extraordinary,S->position[3*c[k]],S->position[3*c[k]+1],S->position[3*c[k]+2]);
-      fprintf(stderr,"\n");
-      for(int i=0;i<n*n;i++){double at[2]; pc_footpoints_at(at,&a->matching.feet,w,i); pc_vec3 p=pc_tspline_point(S,pc_tspline_place(S,w,at[0],at[1])); pc_foot*f=a->matching.feet.foot+w*n*n+i; fprintf(stderr,"  %d: (%.4g %.4g %.4g) foot (%.4g %.4g %.4g) lost %d d %.3g\n",i,p.x,p.y,p.z,f->point.x,f->point.y,f->point.z,f->lost,pc_distance(p,f->point));}
-    }
     if (stats->rounds == 0) stats->first_max = accuracy->max;
     pc_log(ctx, PC_LOG_DEBUG,
            "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
-           "%zu samples, %zu refused, %u vertices astray",
+           "%zu samples",
            a->spline->mesh.vertex_count, stats->junctions, accuracy->scan_max, accuracy->surface_max,
-           accuracy->scan_mean, stats->fit.samples, stats->fit.refused, a->matching.vertices.astray_count);
+           accuracy->scan_mean, stats->fit.samples);
 done:
     return status;
 }

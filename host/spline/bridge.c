@@ -1,7 +1,6 @@
 #include "bridge.h"
 #include "memory.h"
 #include <string.h>
-#include <stdlib.h>
 
 typedef struct bridging {
     pc_mesh *flat;
@@ -32,11 +31,12 @@ static void reach(bridging *b, size_t *count, pc_index v, pc_vec3 middle, double
     loosen(b, v);
 }
 
-/* What can be reached from either foot without leaving a ball around both. */
+/* What can be reached from either foot without leaving a ball around both, on the scan as it is. */
 static void loosen_between(bridging *b, const pc_foot *x, const pc_foot *y, double stretch) {
     const pc_mesh *mesh = b->target->mesh;
-    const pc_vec3 middle = pc_scale(0.5, pc_add(x->point, y->point));
-    const double radius = stretch * pc_distance(x->point, y->point);
+    const pc_vec3 p = pc_footpoints_point(mesh, x), q = pc_footpoints_point(mesh, y);
+    const pc_vec3 middle = pc_scale(0.5, pc_add(p, q));
+    const double radius = stretch * pc_distance(p, q);
     size_t count = 0;
     b->gaps++;
     for (size_t k = 0; k < 3; k++) {
@@ -52,14 +52,14 @@ static void loosen_between(bridging *b, const pc_foot *x, const pc_foot *y, doub
     }
 }
 
-/* Loosens what lies in the gaps between feet of the same face. */
-static void find_gaps(bridging *b, double stretch) {
+/* Looks for gaps between feet of the same face, and loosens what lies in them; their number. */
+static pc_index find_gaps(bridging *b, double stretch) {
     const int n = b->feet->per_side;
     b->gaps = 0;
     memset(b->seen, 0, b->target->mesh->vertex_count * sizeof *b->seen);
     for (pc_index f = 0; f < b->feet->face_count; f++) {
-        if (!b->feet->torn[f]) continue;
         const pc_foot *foot = b->feet->foot + (size_t)f * (size_t)(n * n);
+        if (b->spline->mesh.face[f].ghost) continue;
         for (int i = 0; i < n * n; i++) {
             if ((i + 1) % n && pc_footpoints_gap(b->feet, b->spline, f, i, i + 1))
                 loosen_between(b, foot + i, foot + i + 1, stretch);
@@ -67,6 +67,7 @@ static void find_gaps(bridging *b, double stretch) {
                 loosen_between(b, foot + i, foot + i + n, stretch);
         }
     }
+    return b->gaps;
 }
 
 /* The mean of the points around v, near neighbours on the scan weighing more. */
@@ -113,13 +114,6 @@ done:
     return status;
 }
 
-static pc_index count_torn(const pc_footpoints *feet) {
-    pc_index count = 0;
-    for (pc_index f = 0; f < feet->face_count; f++)
-        count += feet->torn[f];
-    return count;
-}
-
 pc_status pc_bridge_make(pc_mesh *flat, pc_footpoints *feet, pc_context *ctx, const pc_tspline *spline,
                          const pc_target *target) {
     enum { TRIES = 5 };
@@ -139,13 +133,10 @@ pc_status pc_bridge_make(pc_mesh *flat, pc_footpoints *feet, pc_context *ctx, co
     PC_TRY(find_anchors(&b, ctx));
     for (int attempt = 0;; attempt++) {
         pc_footpoints_land(feet, spline, flat, target->adjacency, b.at);
-        pc_log(ctx, PC_LOG_DEBUG, "spline: %u of %u faces torn, %u vertices of the scan drawn flat",
-               count_torn(feet), feet->face_count, b.loose_count);
-        if (getenv("NOMEM") || attempt == TRIES || !count_torn(feet)) break;
-        pc_footpoints_lift(feet, target->mesh);
-        find_gaps(&b, 0.75 + 0.25 * attempt);
+        if (attempt == TRIES || !find_gaps(&b, 0.75 + 0.25 * attempt)) break;
         stretch_membrane(&b);
     }
+    pc_log(ctx, PC_LOG_DEBUG, "spline: %u vertices of the scan drawn flat", b.loose_count);
 done:
     pc_free(ctx, b.at);
     pc_free(ctx, b.is_anchor);

@@ -1,7 +1,5 @@
 #include "correspondence.h"
 #include "memory.h"
-#include <string.h>
-#include <stdlib.h>
 
 pc_surface_place pc_correspondence_place(const pc_correspondence *c, const pc_tspline *spline, pc_index v) {
     if (c->spot[v].face == PC_NONE) return (pc_surface_place){PC_NONE, 0, 0};
@@ -14,58 +12,33 @@ static void put_place(pc_correspondence *c, const pc_tspline *spline, pc_index v
     c->spot[v] = (pc_spot){spline->basis.element[place.element].face, {place.s, place.t}};
 }
 
-/* Whether a point of the scan belongs to a spot: the foot point next to that is near. */
-static bool belongs(const pc_footpoints *feet, const pc_spot *spot, pc_vec3 x, double distance) {
-    const double slack = getenv("SLACK") ? atof(getenv("SLACK")) : 0.7;
-    const pc_foot *foot = pc_footpoints_near(feet, spot->face, spot->at);
-    return (!foot->lost || getenv("ALLV")) && pc_distance(foot->point, x) <= slack * distance + 2 * pc_footpoints_step(feet, spot->face);
-}
-
-static void count_astray(pc_correspondence *c) {
-    c->astray_count = 0;
-    for (pc_index v = 0; v < c->count; v++)
-        c->astray_count += c->spot[v].face != PC_NONE && c->astray[v];
-}
-
-void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
-                              const pc_footpoints *feet) {
+void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target) {
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index v = 0; v < c->count; v++) {
-        const pc_spot old = c->spot[v];
-        const pc_vec3 x = pc_vec3_at(target->mesh->position, v);
-        pc_surface_place place = pc_correspondence_place(c, spline, v);
+        const pc_surface_place place = pc_correspondence_place(c, spline, v);
         if (place.element == PC_NONE) continue;
-        place = pc_nearest_from(spline, place, x).place;
-        put_place(c, spline, v, place);
-        const pc_surface_point q = pc_tspline_evaluate(spline, place);
-        c->astray[v] = !belongs(feet, c->spot + v, x, pc_distance(q.p, x)) ||
-                       (!getenv("NOFACE") && !(pc_dot(pc_vec3_at(target->normal, v), pc_cross(q.s, q.t)) > 0));
-        if (getenv("NOHOLDV") || !c->astray[v] || !belongs(feet, &old, x, 0)) continue;
-        c->spot[v] = old;
-        c->astray[v] = 0;
+        put_place(c, spline, v,
+                  pc_nearest_from(spline, place, pc_vec3_at(target->mesh->position, v)).place);
     }
-    count_astray(c);
 }
 
 pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
-                                 const pc_target *target, const pc_mesh *flat, const pc_footpoints *feet) {
+                                 const pc_target *target, const pc_mesh *flat) {
     enum { PER_SIDE = 4 };
     pc_status status = PC_OK;
     pc_facets facets = {0};
     pc_bvh_hit *hits = NULL;
     *c = (pc_correspondence){.count = flat->vertex_count};
     PC_TRY(pc_new(&c->spot, ctx, c->count));
-    PC_TRY(pc_new(&c->astray, ctx, c->count));
     PC_TRY(pc_new(&hits, ctx, c->count));
     PC_TRY(pc_facets_make(&facets, ctx, spline, PER_SIDE, true));
     pc_bvh_closest_all(hits, &facets.tree, flat->position, c->count);
     for (pc_index v = 0; v < c->count; v++) {
-        c->spot[v].face = PC_NONE;
-        if (target->adjacency->vertex_half[v] == PC_NONE || hits[v].face == PC_NONE) continue;
-        put_place(c, spline, v, pc_facets_place(&facets, hits[v].face, hits[v].weight));
-        c->astray[v] = !belongs(feet, c->spot + v, pc_vec3_at(flat->position, v), hits[v].distance);
+        pc_surface_place place = {PC_NONE, 0, 0};
+        if (target->adjacency->vertex_half[v] != PC_NONE && hits[v].face != PC_NONE)
+            place = pc_facets_place(&facets, hits[v].face, hits[v].weight);
+        put_place(c, spline, v, place);
     }
-    count_astray(c);
 done:
     pc_free(ctx, hits);
     pc_facets_free(&facets, ctx);
@@ -75,7 +48,6 @@ done:
 
 void pc_correspondence_free(pc_correspondence *c, pc_context *ctx) {
     pc_free(ctx, c->spot);
-    pc_free(ctx, c->astray);
     *c = (pc_correspondence){0};
 }
 

@@ -1,10 +1,10 @@
-/* Where on the surface each vertex of the scan belongs, the other way round from the foot points: the nearest
- * point, followed from fit to fit, where surface and foot points agree that it is there (digest C37). A
- * vertex whose nearest point lies on another sheet would pull that out of shape. */
+/* Where on the surface each vertex of the scan belongs, the other way round from the foot points: a near point,
+ * followed from fit to fit and through refinement (digest C37). The nearest one of the whole surface would
+ * jump between the sheets of an ear or a handle. */
 #ifndef PC_CORRESPONDENCE_H
 #define PC_CORRESPONDENCE_H
 
-#include "footpoints.h"
+#include "target.h"
 
 /* A place on a T-mesh. */
 typedef struct pc_spot {
@@ -14,22 +14,17 @@ typedef struct pc_spot {
 
 typedef struct pc_correspondence {
     pc_index count;
-    pc_spot *spot;   /* per vertex of the scan; face PC_NONE for vertices of no triangle */
-    uint8_t *astray; /* it does not belong there */
-    pc_index astray_count;
+    pc_spot *spot; /* per vertex of the scan; face PC_NONE for vertices of no triangle */
 } pc_correspondence;
 
 /* The nearest points of the bilinear faces between the control points from the vertices of `flat`, the scan
- * that `feet` stand on (pc_bridge_make). PC_E_NOMEM. */
+ * with its grooves bridged (pc_bridge_make). PC_E_NOMEM. */
 pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc_tspline *spline,
-                                 const pc_target *target, const pc_mesh *flat, const pc_footpoints *feet);
+                                 const pc_target *target, const pc_mesh *flat);
 void pc_correspondence_free(pc_correspondence *c, pc_context *ctx);
 
-/* Every vertex moves to the nearest point in its neighbourhood, or stays where only that place agrees with the
- * feet. `feet` are those of the surface as it is now.
- * The same bytes for any number of threads. */
-void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
-                              const pc_footpoints *feet);
+/* Every vertex moves to the nearest point in its neighbourhood. The same bytes for any number of threads. */
+void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target);
 /* The same places on a mesh whose faces are parts of those so far (pc_tface.root). PC_E_NOMEM. */
 pc_status pc_correspondence_carry(pc_correspondence *c, pc_context *ctx, const pc_tmesh *refined);
 

@@ -196,7 +196,6 @@ pc_status pc_energy_make(pc_energy *energy, pc_context *ctx, const pc_tspline *s
     PC_TRY(list_uses(energy, ctx));
     PC_TRY(link_rows(energy, ctx));
     PC_TRY(pc_new(&energy->right, ctx, 3 * (size_t)energy->row_count));
-    PC_TRY(pc_new(&energy->made, ctx, 2 * (size_t)energy->element_count));
     PC_TRY(pc_new(&energy->tally, ctx, 3 * (size_t)energy->element_count));
 done:
     if (status != PC_OK) pc_energy_free(energy, ctx);
@@ -215,7 +214,6 @@ void pc_energy_free(pc_energy *energy, pc_context *ctx) {
     pc_free(ctx, energy->slot_start);
     pc_free(ctx, energy->slot);
     pc_free(ctx, energy->right);
-    pc_free(ctx, energy->made);
     pc_free(ctx, energy->tally);
     *energy = (pc_energy){0};
 }
@@ -287,10 +285,9 @@ static void fill_local(double *local, double *tally, const pc_energy *energy, pc
         const double u = (sample->place.s - element->low[0]) / (element->high[0] - element->low[0]);
         const double v = (sample->place.t - element->low[1]) / (element->high[1] - element->low[1]);
         add_pull(local, tally, bezier, u, v, sample);
-        if (work->values) add_moments(local + PC_LOCAL_MOMENT, u, v, sample->weight);
+        add_moments(local + PC_LOCAL_MOMENT, u, v, sample->weight);
     }
-    pc_energy_bending(local + PC_LOCAL_BENDING, energy->spline, e,
-                      work->stiffness ? work->stiffness[e] * work->fairness : work->fairness);
+    pc_energy_bending(local + PC_LOCAL_BENDING, energy->spline, e, work->fairness);
     for (int k = 0; k < 3; k++) {
         double x[16], y[16] = {0};
         for (int i = 0; i < 16; i++)
@@ -389,13 +386,13 @@ static void add_products(double *value, double *diagonal, const pc_energy *energ
     }
 }
 
-static void fill_row(pc_energy *energy, const double *local_sums, bool values, pc_index r) {
+static void fill_row(pc_energy *energy, const double *local_sums, pc_index r) {
     const pc_basis *basis = &energy->spline->basis;
     const pc_system *system = &energy->system;
     const uint16_t *slot = energy->slot + energy->slot_start[r];
     double *value = system->value + system->start[r], *right = energy->right + 3 * (size_t)r, diagonal = 0;
     memset(right, 0, 3 * sizeof *right);
-    if (values) memset(value, 0, (system->start[r + 1] - system->start[r]) * sizeof *value);
+    memset(value, 0, (system->start[r + 1] - system->start[r]) * sizeof *value);
     for (size_t u = energy->start[r]; u < energy->start[r + 1]; u++) {
         const pc_index i = energy->use_element[u], e = energy->element[i];
         const double *local = local_sums + PC_LOCAL_SIZE * (size_t)i;
@@ -404,10 +401,10 @@ static void fill_row(pc_energy *energy, const double *local_sums, bool values, p
         for (int k = 0; k < 16; k++)
             for (int d = 0; d < 3; d++)
                 right[d] += c[k] * local[PC_LOCAL_PULL + 3 * k + d];
-        if (values) add_products(value, &diagonal, energy, local, slot, energy->use[u], e);
+        add_products(value, &diagonal, energy, local, slot, energy->use[u], e);
         slot += basis->start[e + 1] - basis->start[e];
     }
-    if (values) system->diagonal[r] = diagonal > 0 ? diagonal : 1;
+    system->diagonal[r] = diagonal > 0 ? diagonal : 1;
 }
 
 static pc_status fill_on_host(pc_energy *energy, pc_context *ctx, const pc_energy_work *work) {
@@ -420,33 +417,13 @@ static pc_status fill_on_host(pc_energy *energy, pc_context *ctx, const pc_energ
                    energy->element[i], work);
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index r = 0; r < energy->row_count; r++)
-        fill_row(energy, local, work->values, r);
+        fill_row(energy, local, r);
     pc_free(ctx, local);
     return status;
 }
 
-/* The values that were made before are still of the right size. */
-static bool is_worth(const pc_energy *energy, const pc_energy_work *work) {
-    const double much = 1.5;
-    for (pc_index i = 0; i < energy->element_count; i++) {
-        const pc_index e = energy->element[i];
-        const double *made = energy->made + 2 * (size_t)i;
-        if (work->first[e + 1] > work->first[e] && made[0] <= 0) return false;
-        if (work->stiffness && work->stiffness[e] > much * made[1]) return false;
-    }
-    return true;
-}
-
-static void remember(pc_energy *energy, const pc_energy_work *work) {
-    for (pc_index i = 0; i < energy->element_count; i++) {
-        energy->made[2 * (size_t)i] = energy->tally[3 * (size_t)i + 1];
-        energy->made[2 * (size_t)i + 1] = work->stiffness ? work->stiffness[energy->element[i]] : 1;
-    }
-}
-
 pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
-                         const pc_sample *samples, size_t count, double fairness, const double *stiffness,
-                         bool values) {
+                         const pc_sample *samples, size_t count, double fairness) {
     pc_status status = PC_OK;
     const pc_index elements = energy->spline->basis.element_count;
     size_t *first = NULL;
@@ -456,11 +433,9 @@ pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *
         first[samples[i].place.element + 1]++;
     for (size_t e = 0; e < elements; e++)
         first[e + 1] += first[e];
-    pc_energy_work work = {samples, first, stiffness, fairness, values};
-    work.values |= !is_worth(energy, &work);
+    const pc_energy_work work = {samples, first, fairness};
     PC_TRY(pc_device_is_host(device) ? fill_on_host(energy, ctx, &work)
                                      : pc_energy_launch(energy, ctx, device, &work));
-    if (work.values) remember(energy, &work);
     for (pc_index i = 0; i < energy->element_count; i++) {
         facts->square += energy->tally[3 * (size_t)i];
         facts->weight += energy->tally[3 * (size_t)i + 1];

@@ -110,7 +110,7 @@ static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, 
         }
         memcpy(bezier + 48 * (size_t)k, spline->bezier + 48 * (size_t)e, 48 * sizeof *bezier);
         pc_energy_bending(bending + 3 * (size_t)k, spline, e,
-                          work->stiffness ? work->stiffness[e] * work->fairness : work->fairness);
+                          work->fairness);
     }
     const size_t n = p->element_count;
     PC_TRY(pc_buffer_from(&b->first, ctx, device, first, (n + 1) * sizeof *first));
@@ -199,7 +199,7 @@ done:
     return status;
 }
 
-static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p, bool values) {
+static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p) {
     pc_status status = PC_OK;
     pc_kernel *local = NULL, *rows = NULL;
     const uint32_t chunk = pc_device_shape(device) == PC_SHAPE_CHUNK ? 32 : 1;
@@ -210,29 +210,27 @@ static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part 
                          8.0 * (SAMPLE * (double)p->sample_count + (48.0 + PC_LOCAL_SIZE) * p->element_count),
                          PC_ARGS(PC_BUF(b->local), PC_BUF(b->tally), PC_BUF(b->first), PC_BUF(b->sample),
                                  PC_BUF(b->bezier), PC_BUF(b->bending), PC_BUF(b->plate),
-                                 PC_U32(p->element_count), PC_U32(chunk), PC_U32(values))));
+                                 PC_U32(p->element_count), PC_U32(chunk))));
     PC_TRY(pc_kernel_run(ctx, rows, (row_count + chunk - 1) / chunk, 0,
                          8.0 * ((double)p->coefficient_count + PC_LOCAL_SIZE * (double)p->element_count),
                          PC_ARGS(PC_BUF(b->value), PC_BUF(b->diagonal), PC_BUF(b->right), PC_BUF(b->start),
                                  PC_BUF(b->use_start), PC_BUF(b->use), PC_BUF(b->use_element),
                                  PC_BUF(b->slot_start), PC_BUF(b->slot), PC_BUF(b->functions),
                                  PC_BUF(b->coefficient_start), PC_BUF(b->coefficient), PC_BUF(b->local),
-                                 PC_BUF(b->plate), PC_U32(row_count), PC_U32(chunk), PC_U32(values))));
+                                 PC_BUF(b->plate), PC_U32(row_count), PC_U32(chunk))));
 done:
     return status;
 }
 
-static pc_status fetch(pc_energy *energy, pc_context *ctx, const buffers *b, const part *p, bool values) {
+static pc_status fetch(pc_energy *energy, pc_context *ctx, const buffers *b, const part *p) {
     pc_status status = PC_OK;
     const size_t rows = p->to - p->from, n = p->element_count;
     const pc_system *system = &energy->system;
     double *tally = NULL;
     PC_TRY(pc_new(&tally, ctx, 3 * n));
-    if (values) {
-        PC_TRY(pc_buffer_read(system->value + system->start[p->from], ctx, b->value, 0,
-                              (system->start[p->to] - system->start[p->from]) * sizeof(double)));
-        PC_TRY(pc_buffer_read(system->diagonal + p->from, ctx, b->diagonal, 0, rows * sizeof(double)));
-    }
+    PC_TRY(pc_buffer_read(system->value + system->start[p->from], ctx, b->value, 0,
+                          (system->start[p->to] - system->start[p->from]) * sizeof(double)));
+    PC_TRY(pc_buffer_read(system->diagonal + p->from, ctx, b->diagonal, 0, rows * sizeof(double)));
     PC_TRY(pc_buffer_read(energy->right + 3 * (size_t)p->from, ctx, b->right, 0, 3 * rows * sizeof(double)));
     PC_TRY(pc_buffer_read(tally, ctx, b->tally, 0, 3 * n * sizeof *tally));
     for (size_t k = 0; k < n; k++)
@@ -258,8 +256,8 @@ pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device
         PC_TRY(upload_functions(&b, ctx, device, energy, &p));
         PC_TRY(upload_rows(&b, ctx, device, energy, &p));
         PC_TRY(pc_buffer_from(&b.plate, ctx, device, energy->plate, sizeof energy->plate));
-        PC_TRY(run(&b, ctx, device, &p, work->values));
-        PC_TRY(fetch(energy, ctx, &b, &p, work->values));
+        PC_TRY(run(&b, ctx, device, &p));
+        PC_TRY(fetch(energy, ctx, &b, &p));
         free_buffers(&b, ctx);
     }
 done:

@@ -1,37 +1,34 @@
-/* Fits the control points of a T-spline to a scan: least squares with fairing, the correspondence corrected
- * by projection from round to round (digest C38, C39). Every round takes the places as fixed: the matrix is
- * scalar and the same for three coordinates. On request L-BFGS around that matrix learns how they slide. */
+/* Fits the control points of a T-spline to a scan: least squares with fairing, the matching corrected by
+ * projection from round to round (digest C38, C39). Every round takes the places as fixed: the matrix is
+ * scalar and the same for three coordinates. */
 #ifndef PC_FIT_H
 #define PC_FIT_H
 
 #include "device.h"
 #include "matching.h"
-#include "samples.h"
 
 typedef struct pc_fit_options {
     double fairness; /* weight of the bending energy; has no unit */
-    int rounds;      /* of correspondence and fit */
+    int rounds;      /* of fit and matching */
     /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
     double tolerance;
-    /* Learn from round to round how places slide along, by L-BFGS: fewer control points reach a tolerance,
-     * but parts of the surface that have lost their samples may stray. */
-    bool sliding;
-    double goal; bool warm;
+    double near;         /* samples farther away, in model units, weigh more (pc_samples_make); 0: none does */
+    bool rough;          /* the surface is far off still: distances say nothing in the first round */
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 1e-5, 3, 1e-8, false, 0, false, NULL }
+    { 1e-3, 3, 1e-8, 0, true, NULL }
 
 typedef struct pc_fit_stats {
-    size_t samples, refused; /* in the last round */
-    double rms;              /* distance to the samples before the last solve, weighted */
+    size_t samples; /* in the last round */
+    double rms;     /* distance to the samples before the last solve, weighted */
     int rounds;
     pc_index moved;      /* control points that could move */
     pc_index iterations; /* of the solver, over all rounds */
 } pc_fit_stats;
 
-/* The matching is followed after every round. PC_E_NOCONV where the solver does not
- * converge; PC_E_NOMEM, PC_E_DEVICE. */
+/* The matching is followed after every round. PC_E_NOCONV where the solver does not converge; PC_E_NOMEM,
+ * PC_E_DEVICE. */
 pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_device *device,
                  const pc_target *target, pc_matching *matching, const pc_fit_options *options);
 

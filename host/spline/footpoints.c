@@ -1,7 +1,6 @@
 #include "footpoints.h"
 #include "memory.h"
 #include <string.h>
-#include <stdlib.h>
 
 void pc_footpoints_at(double at[2], const pc_footpoints *feet, pc_index face, int i) {
     const double *size = feet->size + 2 * (size_t)face;
@@ -10,7 +9,8 @@ void pc_footpoints_at(double at[2], const pc_footpoints *feet, pc_index face, in
     at[1] = (line + 0.5) / feet->per_side * size[1];
 }
 
-const pc_foot *pc_footpoints_near(const pc_footpoints *feet, pc_index face, const double at[2]) {
+/* The foot of the grid's point next to a place on a face. */
+static const pc_foot *foot_near(const pc_footpoints *feet, pc_index face, const double at[2]) {
     int cell[2];
     for (size_t k = 0; k < 2; k++) {
         cell[k] = (int)(at[k] / feet->size[2 * (size_t)face + k] * feet->per_side);
@@ -20,15 +20,7 @@ const pc_foot *pc_footpoints_near(const pc_footpoints *feet, pc_index face, cons
     return feet->foot + face * each + cell[0] + cell[1] * feet->per_side;
 }
 
-double pc_footpoints_step(const pc_footpoints *feet, pc_index face) {
-    const int n = feet->per_side, last = n * n - 1, steps = n > 1 ? n - 1 : 1;
-    const pc_foot *grid = feet->foot + (size_t)face * (size_t)(n * n);
-    const double one = pc_distance(grid[0].point, grid[last].point);
-    const double other = pc_distance(grid[n - 1].point, grid[last - n + 1].point);
-    return fmax(one, other) / steps;
-}
-
-static pc_vec3 point_of(const pc_mesh *mesh, const pc_foot *foot) {
+pc_vec3 pc_footpoints_point(const pc_mesh *mesh, const pc_foot *foot) {
     const pc_index *v = mesh->triangle + 3 * (size_t)foot->triangle;
     pc_vec3 p = {0, 0, 0};
     for (int k = 0; k < 3; k++)
@@ -64,7 +56,7 @@ static pc_foot walk(const pc_mesh *mesh, const pc_adjacency *adjacency, pc_index
         }
         if (best.triangle == here) break;
     }
-    best.point = point_of(mesh, &best);
+    best.point = pc_footpoints_point(mesh, &best);
     return best;
 }
 
@@ -83,15 +75,15 @@ typedef struct grid {
     pc_vec3 point[MOST_POINTS], normal[MOST_POINTS];
 } grid;
 
-/* Those that are lost go on from one beside them. */
+/* Feet where the scan faces the other way go on from one beside them, where that helps. */
 static void rescue(pc_foot *foot, int n, const pc_mesh *mesh, const pc_adjacency *adjacency, const grid *g) {
     for (bool more = true; more;) {
         more = false;
         for (int i = 0; i < n * n; i++) {
             const int beside[4] = {i % n ? i - 1 : i, (i + 1) % n ? i + 1 : i, i >= n ? i - n : i,
                                    i + n < n * n ? i + n : i};
-            for (int k = 0; k < 4 && foot[i].lost; k++) {
-                if (foot[beside[k]].lost) continue;
+            for (int k = 0; k < 4 && foot[i].opposed; k++) {
+                if (foot[beside[k]].opposed) continue;
                 pc_foot next = walk(mesh, adjacency, foot[beside[k]].triangle, g->point[i]);
                 if (!faces(mesh, next.triangle, g->normal[i])) continue;
                 foot[i] = next;
@@ -101,38 +93,19 @@ static void rescue(pc_foot *foot, int n, const pc_mesh *mesh, const pc_adjacency
     }
 }
 
-/* Between two points beside each other the scan is missing: a groove that the surface still bridges, or the
- * edge of another sheet. */
-static bool is_gap(const pc_foot *a, const pc_foot *b, pc_vec3 p, pc_vec3 q) {
-    const double most_stretch = 3;
-    return a->lost || b->lost || pc_distance(a->point, b->point) > most_stretch * pc_distance(p, q);
-}
-
-static bool is_torn(const pc_foot *foot, int n, const grid *g) {
-    for (int i = 0; i < n * n; i++) {
-        if ((i + 1) % n && is_gap(foot + i, foot + i + 1, g->point[i], g->point[i + 1])) return true;
-        if (i + n < n * n && is_gap(foot + i, foot + i + n, g->point[i], g->point[i + n])) return true;
-    }
-    return false;
-}
-
 static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target, pc_index f) {
-    const int n = feet->per_side, count = n * n;
-    pc_foot *old = feet->foot + (size_t)f * (size_t)count, next[MOST_POINTS];
+    const int n = feet->per_side;
+    pc_foot *foot = feet->foot + (size_t)f * (size_t)(n * n);
     grid g;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < n * n; i++) {
         double at[2];
         pc_footpoints_at(at, feet, f, i);
-        pc_surface_point x = pc_tspline_evaluate(spline, pc_tspline_place(spline, f, at[0], at[1]));
+        const pc_surface_point x = pc_tspline_evaluate(spline, pc_tspline_place(spline, f, at[0], at[1]));
         g.point[i] = x.p, g.normal[i] = pc_cross(x.s, x.t);
-        next[i] = walk(target->mesh, target->adjacency, old[i].triangle, g.point[i]);
-        next[i].lost = !faces(target->mesh, next[i].triangle, g.normal[i]);
+        foot[i] = walk(target->mesh, target->adjacency, foot[i].triangle, g.point[i]);
+        foot[i].opposed = !faces(target->mesh, foot[i].triangle, g.normal[i]);
     }
-    rescue(next, n, target->mesh, target->adjacency, &g);
-    feet->held[f] = is_torn(next, n, &g);
-    if (!getenv("NOHOLD") && feet->held[f] && !feet->torn[f]) return;
-    feet->torn[f] = feet->held[f];
-    memcpy(old, next, (size_t)count * sizeof *old);
+    rescue(foot, n, target->mesh, target->adjacency, &g);
 }
 
 void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target) {
@@ -178,10 +151,9 @@ static void land_face(pc_footpoints *feet, const pc_tspline *spline, const pc_me
         for (int step = 1; step <= STEPS; step++)
             foot[i] = walk(scan, adjacency, foot[i].triangle,
                            pc_madd(c, (double)step / STEPS, pc_sub(g.point[i], c)));
-        foot[i].lost = !faces(scan, foot[i].triangle, g.normal[i]);
+        foot[i].opposed = !faces(scan, foot[i].triangle, g.normal[i]);
     }
     rescue(foot, n, scan, adjacency, &g);
-    feet->torn[f] = is_torn(foot, n, &g);
 }
 
 void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_mesh *scan,
@@ -194,15 +166,16 @@ void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_
 void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan) {
     const size_t count = (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
     for (size_t i = 0; i < count; i++)
-        if (feet->foot[i].triangle != PC_NONE) feet->foot[i].point = point_of(scan, feet->foot + i);
+        if (feet->foot[i].triangle != PC_NONE) feet->foot[i].point = pc_footpoints_point(scan, feet->foot + i);
 }
 
-/* Feet i and j of face f are beside each other there. */
 bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j) {
-    grid g;
+    const double most_stretch = 3;
     const pc_foot *foot = feet->foot + (size_t)f * (size_t)(feet->per_side * feet->per_side);
+    grid g;
     flat_grid(&g, feet, spline, f);
-    return is_gap(foot + i, foot + j, g.point[i], g.point[j]);
+    return foot[i].opposed || foot[j].opposed ||
+           pc_distance(foot[i].point, foot[j].point) > most_stretch * pc_distance(g.point[i], g.point[j]);
 }
 
 static pc_status make_room(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh) {
@@ -211,8 +184,6 @@ static pc_status make_room(pc_footpoints *feet, pc_context *ctx, const pc_tmesh 
     feet->face_count = mesh->face_count;
     PC_TRY(pc_new(&feet->foot, ctx, count));
     PC_TRY(pc_new(&feet->size, ctx, 2 * (size_t)mesh->face_count));
-    PC_TRY(pc_new(&feet->torn, ctx, mesh->face_count));
-    PC_TRY(pc_new(&feet->held, ctx, mesh->face_count));
     for (pc_index f = 0; f < mesh->face_count; f++)
         memcpy(feet->size + 2 * (size_t)f, mesh->face[f].size, 2 * sizeof *feet->size);
     for (size_t i = 0; i < count; i++)
@@ -232,49 +203,21 @@ pc_status pc_footpoints_make(pc_footpoints *feet, pc_context *ctx, const pc_tmes
 void pc_footpoints_free(pc_footpoints *feet, pc_context *ctx) {
     pc_free(ctx, feet->foot);
     pc_free(ctx, feet->size);
-    pc_free(ctx, feet->torn);
-    pc_free(ctx, feet->held);
     *feet = (pc_footpoints){0};
 }
 
-/* The point between the feet around a place on a face, by their parameters; beyond the outer ones straight
- * on. */
-static pc_vec3 interpolated(const pc_footpoints *feet, pc_index face, const double at[2]) {
-    const int n = feet->per_side;
-    const pc_foot *foot = feet->foot + (size_t)face * (size_t)(n * n);
-    int cell[2];
-    double part[2];
-    for (size_t k = 0; k < 2; k++) {
-        const double x = at[k] / feet->size[2 * (size_t)face + k] * n - 0.5;
-        cell[k] = x < 0 ? 0 : x > n - 2 ? n - 2 : (int)x;
-        part[k] = x - cell[k];
-    }
-    const pc_foot *a = foot + cell[0] + cell[1] * n;
-    const pc_vec3 low = pc_madd(a[0].point, part[0], pc_sub(a[1].point, a[0].point));
-    const pc_vec3 high = pc_madd(a[n].point, part[0], pc_sub(a[n + 1].point, a[n].point));
-    return pc_madd(low, part[1], pc_sub(high, low));
-}
-
-pc_status pc_footpoints_carry(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *refined,
-                              const pc_target *target) {
+pc_status pc_footpoints_carry(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *refined) {
     pc_status status = PC_OK;
     const size_t each = (size_t)(feet->per_side * feet->per_side);
     pc_footpoints finer = {.per_side = feet->per_side};
     PC_TRY(make_room(&finer, ctx, refined));
-#pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < refined->face_count; f++) {
         const pc_tface *face = refined->face + f;
-        if (face->ghost) continue;
-        finer.torn[f] = feet->torn[face->root];
-        for (size_t i = 0; i < each; i++) {
+        for (size_t i = 0; i < each && !face->ghost; i++) {
             double at[2];
             pc_footpoints_at(at, &finer, f, (int)i);
             at[0] += face->origin[0], at[1] += face->origin[1];
-            const pc_foot *from = pc_footpoints_near(feet, face->root, at);
-            pc_foot *to = finer.foot + f * each + i;
-            *to = *from;
-            if (finer.torn[f]) continue;
-            *to = walk(target->mesh, target->adjacency, from->triangle, interpolated(feet, face->root, at));
+            finer.foot[f * each + i] = *foot_near(feet, face->root, at);
         }
     }
     pc_footpoints_free(feet, ctx);

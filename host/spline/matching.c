@@ -9,7 +9,7 @@ pc_status pc_matching_make(pc_matching *matching, pc_context *ctx, const pc_tspl
     *matching = (pc_matching){0};
     PC_TRY(pc_footpoints_make(&matching->feet, ctx, &spline->mesh, per_side));
     PC_TRY(pc_bridge_make(&flat, &matching->feet, ctx, spline, target));
-    PC_TRY(pc_correspondence_make(&matching->vertices, ctx, spline, target, &flat, &matching->feet));
+    PC_TRY(pc_correspondence_make(&matching->vertices, ctx, spline, target, &flat));
     pc_footpoints_lift(&matching->feet, target->mesh);
 done:
     pc_free(ctx, flat.position);
@@ -24,14 +24,14 @@ void pc_matching_free(pc_matching *matching, pc_context *ctx) {
 
 void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target) {
     pc_footpoints_follow(&matching->feet, spline, target);
-    pc_correspondence_follow(&matching->vertices, spline, target, &matching->feet);
+    pc_correspondence_follow(&matching->vertices, spline, target);
 }
 
 pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tspline *refined,
                             const pc_target *target) {
     pc_status status = PC_OK;
     PC_TRY(pc_correspondence_carry(&matching->vertices, ctx, &refined->mesh));
-    PC_TRY(pc_footpoints_carry(&matching->feet, ctx, &refined->mesh, target));
+    PC_TRY(pc_footpoints_carry(&matching->feet, ctx, &refined->mesh));
     pc_matching_follow(matching, refined, target);
 done:
     return status;

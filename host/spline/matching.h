@@ -3,6 +3,7 @@
 #define PC_MATCHING_H
 
 #include "correspondence.h"
+#include "footpoints.h"
 
 typedef struct pc_matching {
     pc_footpoints feet;         /* of the surface on the scan */

@@ -27,7 +27,6 @@ typedef struct scene {
     pc_tspline spline;
     pc_sample *sample;
     size_t count;
-    double *stiffness;
     uint8_t *free;
 } scene;
 
@@ -46,13 +45,11 @@ static void open_scene(scene *s, pc_context *ctx) {
     assert_ok(ctx, pc_insertion_refine(&s->spline, &closed, ctx, wish));
     const pc_basis *basis = &s->spline.basis;
     assert_ok(ctx, pc_new(&s->sample, ctx, 8 * (size_t)basis->element_count));
-    assert_ok(ctx, pc_new(&s->stiffness, ctx, basis->element_count));
     assert_ok(ctx, pc_new(&s->free, ctx, basis->vertex_count));
     for (pc_index v = 0; v < basis->vertex_count; v++)
         s->free[v] = v % 5 != 0;
     for (pc_index e = 0; e < basis->element_count; e++) {
         const pc_element *element = basis->element + e;
-        s->stiffness[e] = 1 + e % 4;
         for (pc_index k = 0; k < e % 9; k++) {
             const double u = pc_random_uniform(&random), v = pc_random_uniform(&random);
             s->sample[s->count++] =
@@ -69,7 +66,6 @@ static void open_scene(scene *s, pc_context *ctx) {
 static void close_scene(scene *s, pc_context *ctx) {
     pc_tspline_free(&s->spline, ctx);
     pc_free(ctx, s->sample);
-    pc_free(ctx, s->stiffness);
     pc_free(ctx, s->free);
 }
 
@@ -85,7 +81,7 @@ static void compare(const char *what, const double *expected, const double *got,
 static void fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
                  const scene *s) {
     assert_ok(ctx, pc_energy_make(energy, ctx, &s->spline, s->free));
-    assert_ok(ctx, pc_energy_fill(energy, facts, ctx, device, s->sample, s->count, 1e-3, s->stiffness, true));
+    assert_ok(ctx, pc_energy_fill(energy, facts, ctx, device, s->sample, s->count, 1e-3));
 }
 
 /* Values, diagonals, right-hand sides and sums; split into parts by small buffers the same bytes. */
@@ -117,12 +113,6 @@ static void systems_match_their_reference(void **state) {
         assert_memory_equal(whole.system.value, split.system.value, entries * sizeof(double));
         assert_memory_equal(whole.system.diagonal, split.system.diagonal, rows * sizeof(double));
         assert_memory_equal(whole.right, split.right, 3 * rows * sizeof(double));
-        for (pc_index r = 0; r < rows; r++)
-            split.right[3 * (size_t)r] = split.system.diagonal[r] = -1;
-        assert_ok(ctx,
-                  pc_energy_fill(&split, &own, ctx, device, s.sample, s.count, 1e-3, s.stiffness, false));
-        assert_memory_equal(whole.right, split.right, 3 * rows * sizeof(double));
-        assert_true(split.system.diagonal[0] < 0); /* left alone */
         pc_energy_free(&whole, ctx);
         pc_energy_free(&split, ctx);
         pc_device_close(device, ctx);

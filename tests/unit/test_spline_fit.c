@@ -84,7 +84,7 @@ static void a_spline_is_found_again(void **state) {
         }
         pc_tspline_update(&spline);
         assert_ok(ctx, pc_energy_fill(&energy, &facts, ctx, host, sample,
-                                      16 * (size_t)spline.basis.element_count, 0, NULL, true));
+                                      16 * (size_t)spline.basis.element_count, 0));
         assert_ok(ctx, pc_system_check(&energy.system, ctx));
         assert_true(facts.square > 0 && fabs(facts.weight - energy.element_count) < 1e-9);
         for (size_t k = 0; k < 3; k++) {
@@ -150,7 +150,7 @@ static void right_sides_are_gradients(void **state) {
     for (size_t i = 0; i < count; i++)
         sample[i].target = pc_scale(1.1 + 0.1 * sin((double)i), sample[i].target);
     assert_ok(ctx, pc_energy_make(&energy, ctx, &spline, NULL));
-    assert_ok(ctx, pc_energy_fill(&energy, &facts, ctx, host, sample, count, fairness, NULL, true));
+    assert_ok(ctx, pc_energy_fill(&energy, &facts, ctx, host, sample, count, fairness));
     for (pc_index r = 0; r < energy.row_count; r += 5) {
         double *x = spline.position + 3 * (size_t)energy.vertex[r] + r % 3, at = *x, side[2];
         for (int k = 0; k < 2; k++) {
@@ -171,12 +171,13 @@ static void right_sides_are_gradients(void **state) {
     pc_device_close(host, ctx);
 }
 
-/* Errors against a torus at its vertices, which are exact: fourth order. */
+/* Nearest points of a fine torus: the error falls faster than the size of the quads to the third power. (On
+ * exact samples it is the fourth: test_spline_convergence.) */
 static void torus_converges(void **state) {
     pc_context *ctx = *state;
     scene s = {0};
     double before = 0;
-    assert_ok(ctx, pc_synth_torus(&s.scan, ctx, 2, 1, 96, 48));
+    assert_ok(ctx, pc_synth_torus(&s.scan, ctx, 2, 1, 384, 192));
     open_scene(&s, ctx);
     for (pc_index n = 1; n <= 2; n++) {
         pc_polymesh quads;
@@ -184,18 +185,17 @@ static void torus_converges(void **state) {
         pc_fit_options options = PC_FIT_DEFAULTS;
         pc_fit_stats stats;
         pc_accuracy accuracy;
+        pc_matching matching;
         assert_ok(ctx, pc_synth_quad_torus(&quads, ctx, 2, 1, 12 * n, 6 * n));
         assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
-        pc_correspondence correspondence;
-        assert_ok(ctx, pc_correspondence_make(&correspondence, ctx, &spline, &s.target, true));
-        options.fairness = 1e-8, options.per_side = 0; /* vertices only */
-        assert_ok(ctx, pc_fit(&spline, &stats, ctx, s.host, &s.target, &correspondence, &options));
+        assert_ok(ctx, pc_matching_make(&matching, ctx, &spline, &s.target, 5));
+        options.fairness = 1e-8;
+        assert_ok(ctx, pc_fit(&spline, &stats, ctx, s.host, &s.target, &matching, &options));
         assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s.target, NULL, 5));
-        pc_correspondence_free(&correspondence, ctx);
+        pc_matching_free(&matching, ctx);
         print_message("torus of %u points: max %.3g, mean %.3g; %u iterations\n", spline.mesh.vertex_count,
                       accuracy.scan_max, accuracy.scan_mean, stats.iterations);
-        assert_int_equal(stats.torn, 0);
-        if (n > 1) assert_true(before / accuracy.scan_max > 11);
+        if (n > 1) assert_true(before / accuracy.scan_max > 8);
         before = accuracy.scan_max;
         pc_tspline_free(&spline, ctx);
         pc_polymesh_free(&quads, ctx);
