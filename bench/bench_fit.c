@@ -19,8 +19,8 @@ typedef struct bench {
 } bench;
 
 /* Samples beside the surface, as far off as a fraction of a face. */
-static pc_status make_samples(pc_sample **sample, size_t *count, pc_context *ctx,
-                              const pc_tspline *spline, const bench *b) {
+static pc_status make_samples(pc_sample **sample, size_t *count, pc_context *ctx, const pc_tspline *spline,
+                              const bench *b) {
     pc_status status = PC_OK;
     const pc_basis *basis = &spline->basis;
     pc_random random = {1};

@@ -112,8 +112,7 @@ static pc_status measure(pc_context *ctx, int argc, char **argv) {
         in.mesh.face_count, in.quads.face_count, stats.first_points, stats.first_max * percent,
         spline.mesh.vertex_count, stats.junctions, stats.rounds, stats.accuracy.max * percent,
         stats.accuracy.scan_max * percent, stats.accuracy.surface_max * percent,
-        stats.accuracy.scan_mean * percent, spline.basis.element_count,
-        made - begin, end - made);
+        stats.accuracy.scan_mean * percent, spline.basis.element_count, made - begin, end - made);
     print_continuity(&spline);
     PC_TRY(write_step(ctx, &spline, in.target.diagonal, argv[1]));
     PC_TRY(pc_closure_check(&spline.mesh, ctx));

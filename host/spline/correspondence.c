@@ -17,8 +17,7 @@ void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, co
     for (pc_index v = 0; v < c->count; v++) {
         const pc_surface_place place = pc_correspondence_place(c, spline, v);
         if (place.element == PC_NONE) continue;
-        put_place(c, spline, v,
-                  pc_nearest_from(spline, place, pc_vec3_at(target->mesh->position, v)).place);
+        put_place(c, spline, v, pc_nearest_from(spline, place, pc_vec3_at(target->mesh->position, v)).place);
     }
 }
 

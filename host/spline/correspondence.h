@@ -1,6 +1,6 @@
-/* Where on the surface each vertex of the scan belongs, the other way round from the foot points: a near point,
- * followed from fit to fit and through refinement (digest C37). The nearest one of the whole surface would
- * jump between the sheets of an ear or a handle. */
+/* Where on the surface each vertex of the scan belongs, the other way round from the foot points: a near
+ * point, followed from fit to fit and through refinement (digest C37). The nearest one of the whole surface
+ * would jump between the sheets of an ear or a handle. */
 #ifndef PC_CORRESPONDENCE_H
 #define PC_CORRESPONDENCE_H
 

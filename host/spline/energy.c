@@ -3,7 +3,6 @@
 #include "memory.h"
 #include <math.h>
 #include <omp.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void make_plate(double plate[48]) {
@@ -24,6 +23,10 @@ void pc_energy_bending(double factor[3], const pc_tspline *spline, pc_index e, d
     double part[2];
     pc_tspline_part(part, spline, e);
     const double a = part[0], b = part[1];
+    /* Bending of the unit square falls with the fourth power of a face's size, and would let small faces
+     * fold. */
+    const double *size = spline->mesh.face[spline->basis.element[e].face].size;
+    fairness /= sqrt(size[0] * size[1]);
     factor[0] = fairness * b / (a * a * a);
     factor[1] = fairness * 2 / (a * b);
     factor[2] = fairness * a / (b * b * b);

@@ -63,8 +63,8 @@ typedef struct pc_energy_facts {
  * where there are too many couplings. */
 pc_status pc_energy_make(pc_energy *energy, pc_context *ctx, const pc_tspline *spline, const uint8_t *free);
 /* Values and right-hand sides for the moves from where the control points are; spline->bezier is up to date.
- * `samples` are sorted by element; those on elements that nothing free reaches are skipped. A row without energy gets
- * the diagonal 1. The same bytes for any number of threads. PC_E_NOMEM, PC_E_DEVICE. */
+ * `samples` are sorted by element; those on elements that nothing free reaches are skipped. A row without
+ * energy gets the diagonal 1. The same bytes for any number of threads. PC_E_NOMEM, PC_E_DEVICE. */
 pc_status pc_energy_fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
                          const pc_sample *samples, size_t count, double fairness);
 void pc_energy_free(pc_energy *energy, pc_context *ctx);

@@ -79,8 +79,8 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     pc_energy_facts facts;
     PC_TRY(pc_check_interrupt(ctx));
     PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, near));
-    PC_TRY(pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count,
-                          options->fairness));
+    PC_TRY(
+        pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count, options->fairness));
     stats->rms = facts.weight > 0 ? sqrt(facts.square / facts.weight) : 0;
     stats->samples = samples.count;
     PC_TRY(solve(f, ctx));

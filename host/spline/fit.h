@@ -12,8 +12,8 @@ typedef struct pc_fit_options {
     int rounds;      /* of fit and matching */
     /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
     double tolerance;
-    double near;         /* samples farther away, in model units, weigh more (pc_samples_make); 0: none does */
-    bool rough;          /* the surface is far off still: distances say nothing in the first round */
+    double near; /* samples farther away, in model units, weigh more (pc_samples_make); 0: none does */
+    bool rough;  /* the surface is far off still: distances say nothing in the first round */
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \

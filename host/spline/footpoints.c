@@ -40,7 +40,8 @@ static double try_triangle(pc_foot *best, double least, const pc_mesh *mesh, pc_
     return square;
 }
 
-/* From a triangle downhill to the nearest point of the mesh, over all triangles that touch the present one. */
+/* From a triangle downhill to the nearest point of the mesh, over all triangles that touch the present one.
+ */
 static pc_foot walk(const pc_mesh *mesh, const pc_adjacency *adjacency, pc_index from, pc_vec3 p) {
     enum { MOST_STEPS = 200 };
     pc_foot best = {.triangle = from};
@@ -63,8 +64,8 @@ static pc_foot walk(const pc_mesh *mesh, const pc_adjacency *adjacency, pc_index
 static bool faces(const pc_mesh *mesh, pc_index t, pc_vec3 normal) {
     const pc_index *v = mesh->triangle + 3 * (size_t)t;
     pc_vec3 a = pc_vec3_at(mesh->position, v[0]);
-    pc_vec3 n = pc_cross(pc_sub(pc_vec3_at(mesh->position, v[1]), a),
-                         pc_sub(pc_vec3_at(mesh->position, v[2]), a));
+    pc_vec3 n =
+        pc_cross(pc_sub(pc_vec3_at(mesh->position, v[1]), a), pc_sub(pc_vec3_at(mesh->position, v[2]), a));
     return pc_dot(n, normal) > 0;
 }
 
@@ -166,7 +167,8 @@ void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_
 void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan) {
     const size_t count = (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
     for (size_t i = 0; i < count; i++)
-        if (feet->foot[i].triangle != PC_NONE) feet->foot[i].point = pc_footpoints_point(scan, feet->foot + i);
+        if (feet->foot[i].triangle != PC_NONE)
+            feet->foot[i].point = pc_footpoints_point(scan, feet->foot + i);
 }
 
 bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j) {

@@ -30,8 +30,8 @@ void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_
                         const pc_adjacency *adjacency, const pc_index *at);
 /* The same places on a scan of the same triangles with other positions. */
 void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan);
-/* Between feet i and j, beside each other on bilinear face f, a part of the scan is missing, or one of them is
- * opposed. */
+/* Between feet i and j, beside each other on bilinear face f, a part of the scan is missing, or one of them
+ * is opposed. */
 bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j);
 
 /* Every foot walks downhill to the point of the scan nearest to the surface's. */

@@ -10,8 +10,8 @@ typedef struct pc_matching {
     pc_correspondence vertices; /* of the scan on the surface */
 } pc_matching;
 
-/* Of a surface whose control points still lie on the scan: by the bilinear faces between them. `per_side` foot
- * points along the side of a face. PC_E_NOMEM. */
+/* Of a surface whose control points still lie on the scan: by the bilinear faces between them. `per_side`
+ * foot points along the side of a face. PC_E_NOMEM. */
 pc_status pc_matching_make(pc_matching *matching, pc_context *ctx, const pc_tspline *spline,
                            const pc_target *target, int per_side);
 void pc_matching_free(pc_matching *matching, pc_context *ctx);

@@ -1,6 +1,7 @@
 /* Fits on shapes with known answers: what a spline can be is found again, scale does not matter, and errors
  * fall as cubic splines owe. */
 #include "adapt.h"
+#include "energy.h"
 #include "insertion.h"
 #include "memory.h"
 #include "random.h"
