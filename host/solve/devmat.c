@@ -145,7 +145,20 @@ done:
     return status;
 }
 
-/* Cuts the slices so that no buffer of a part is over the cap. Counts only where `part` is NULL. */
+/* Do rows of the slices [from, to) have columns that are copies? */
+static bool reads_copies(const copying *c, pc_index from, pc_index to) {
+    if (c->columns->copies == 0) return false;
+    const pc_index end = to * c->slice_rows < c->rows->count ? to * c->slice_rows : c->rows->count;
+    for (pc_index place = from * c->slice_rows; place < end; place++) {
+        const pc_index row = c->rows->row[place];
+        for (pc_index e = c->matrix->start[row]; e < c->matrix->start[row + 1]; e++)
+            if (c->columns->place[c->matrix->column[e]] >= c->columns->count) return true;
+    }
+    return false;
+}
+
+/* Cuts the slices so that no buffer of a part is over the cap, and that parts are late or not. Counts only
+ * where `part` is NULL. */
 static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, size_t cap) {
     const size_t unit = (c->exact ? sizeof(double) : sizeof(float)) * (size_t)pc_form_size(c->matrix->form);
     const size_t bytes = c->slice_rows * (unit > sizeof(pc_index) ? unit : sizeof(pc_index));
@@ -157,11 +170,13 @@ static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, si
         size_t entries = 0;
         for (pc_index s = step; s < end; s++)
             entries += slice_length(c, s);
-        if (now.slices > 0 && (now.entries + entries) * bytes > cap) {
+        const bool late = reads_copies(c, step, end);
+        if (now.slices > 0 && ((now.entries + entries) * bytes > cap || late != now.late)) {
             if (part) part[count] = now;
             count++;
             now = (pc_devmat_part){.first = step};
         }
+        now.late = late;
         now.slices += end - step;
         now.entries += entries;
     }
@@ -207,8 +222,8 @@ pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, con
     copying c = {matrix, rows, columns, exact, pc_devmat_slice_rows(device)};
     size_t cap = pc_device_allocation_cap(device);
     if (cap > largest_part) cap = largest_part;
-    *out = (pc_devmat){.form = matrix->form, .row_count = matrix->row_count, .slice_rows = c.slice_rows};
-    out->slice_count = (matrix->row_count + c.slice_rows - 1) / c.slice_rows;
+    *out = (pc_devmat){.form = matrix->form, .row_count = rows->count, .slice_rows = c.slice_rows};
+    out->slice_count = (rows->count + c.slice_rows - 1) / c.slice_rows;
     int count = cut_parts(NULL, &c, out->slice_count, cap);
     PC_TRY(pc_new(&out->part, ctx, (size_t)count));
     out->part_count = count;

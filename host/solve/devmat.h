@@ -12,6 +12,7 @@ typedef struct pc_row_order {
     pc_index count;
     pc_index *row;   /* per place: the row there */
     pc_index *place; /* per row */
+    pc_index copies; /* of other devices' rows, which have the places after the last slice (share.h) */
 } pc_row_order;
 
 /* Rows of `matrix` sorted by length in windows of 256. */
@@ -22,6 +23,7 @@ typedef struct pc_devmat_part {
     pc_index first;  /* slice */
     pc_index slices; /* of 4096 rows and multiples, but in the last part */
     size_t entries;  /* of slices */
+    bool late;       /* reads copies of other devices' rows, so that it must wait for them */
     pc_buffer *start;
     pc_buffer *column;
     pc_buffer *value;
@@ -39,7 +41,8 @@ typedef struct pc_devmat {
     pc_buffer *inverse;
 } pc_devmat;
 
-/* Copies `matrix` with its rows and columns in the given orders. `exact`: the values in double too (those of
+/* Copies the rows of `matrix` that `rows` has, in its order and with columns in that of `columns`; parts that
+ * read copies are apart from the others. `exact`: the values in double too (those of
  * `system`). */
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
                          const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact);
