@@ -3,6 +3,7 @@
 #include "devsolve.h"
 #include "memory.h"
 #include "random.h"
+#include "shape_testing.h"
 #include "solver.h"
 #include "systems.h"
 #include "testing.h"
@@ -11,18 +12,6 @@
 extern const char pc_kernel_cycle[];
 
 static const pc_block_kind kinds[3] = {PC_BLOCK_SCALAR, PC_BLOCK_COMPLEX, PC_BLOCK_TURNED};
-static const pc_shape shapes[2] = {PC_SHAPE_CHUNK, PC_SHAPE_ROW};
-
-/* The default device in a shape; NULL where the machine has none. */
-static pc_device *open_device(pc_context *ctx, pc_shape shape) {
-    pc_device *device = NULL;
-    if (pc_device_open(&device, ctx, NULL) != PC_OK) {
-        pc_context_clear_message(ctx);
-        return NULL;
-    }
-    pc_device_set_shape(device, shape);
-    return device;
-}
 
 static double *random_vector(pc_context *ctx, size_t n, uint64_t seed) {
     pc_random random = {seed};
