@@ -36,7 +36,7 @@ static pc_status solve_ours(pc_peer_result *result, pc_context *ctx, const char 
                             pc_preconditioner which, const pc_system *system, const double *b, double *x,
                             const double tolerance[2]) {
     const size_t n = system->row_count * (size_t)pc_block_width(system->kind);
-    pc_solver_options options = {which, 20000};
+    pc_solver_options options = {which, 20000, 0};
     pc_status status = PC_OK;
     pc_device *device = NULL;
     pc_solver *solver = NULL;

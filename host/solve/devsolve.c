@@ -12,7 +12,7 @@ enum { CHUNK_SLICES = 512, CHUNK = 4096, GROUP = 128 };
 enum { SCALAR_PQ = 0, SCALAR_RR = 1, SCALAR_RZ = 2, SCALARS = 4 };
 enum { APPLY, ADD, RESIDUAL, SMOOTH };
 /* Rows of a level per member from which on it is worth spreading out, by shape. */
-static const pc_index spread_rows[2] = {8192, 65536};
+static const pc_index worth_rows[2] = {8192, 65536};
 
 typedef struct devlevel {
     pc_row_order order;
@@ -192,14 +192,14 @@ done:
 
 /* Other members get their rows and the first one keeps its own. */
 static pc_status spread_out(pc_devsolve *s, pc_context *ctx, pc_device *device, pc_share *share,
-                            pc_block_kind kind, const pc_multigrid *multigrid) {
+                            pc_block_kind kind, const pc_multigrid *multigrid, pc_index least) {
     pc_status status = PC_OK;
     const pc_row_order *whole[PC_MOST_LEVELS];
     pc_devsolve *m = s;
     for (int k = 0; k < s->level_count; k++)
         whole[k] = &s->level[k].order;
     PC_TRY(pc_share_make(share, ctx, multigrid, whole, pc_device_member_count(device),
-                         pc_devmat_slice_rows(s->device), spread_rows[s->shape]));
+                         pc_devmat_slice_rows(s->device), least));
     PC_TRY(pc_exchange_make(&s->exchange, ctx, device, share, (size_t)s->width * sizeof(double)));
     for (int number = 0; number < share->member_count; number++) {
         if (number > 0) {
@@ -238,24 +238,19 @@ done:
     return status;
 }
 
-/* Are there members, and rows enough for them? */
-static bool worth_spreading(pc_device *device, const pc_multigrid *multigrid) {
-    const uint64_t members = (uint64_t)pc_device_member_count(device);
-    return members > 1 &&
-           multigrid->level[0].matrix.row_count >= members * spread_rows[pc_device_shape(device)];
-}
-
 pc_status pc_devsolve_make(pc_devsolve **solve, pc_context *ctx, pc_device *device, const pc_system *system,
-                           pc_multigrid *multigrid) {
+                           pc_multigrid *multigrid, pc_index spread_rows) {
     pc_status status = PC_OK;
     pc_devsolve *s = NULL;
     pc_share share = {0};
-    const bool spread = worth_spreading(device, multigrid);
+    const uint64_t members = (uint64_t)pc_device_member_count(device);
+    const pc_index least = spread_rows > 0 ? spread_rows : worth_rows[pc_device_shape(device)];
+    const bool spread = members > 1 && system->row_count >= members * least;
     *solve = NULL;
     PC_TRY(pc_device_require_doubles(device, ctx, "the solver"));
     PC_TRY(start_member(&s, ctx, spread ? pc_device_member(device, 0) : device, system->kind, multigrid));
     PC_TRY(make_orders(s, ctx, multigrid));
-    if (spread) PC_TRY(spread_out(s, ctx, device, &share, system->kind, multigrid));
+    if (spread) PC_TRY(spread_out(s, ctx, device, &share, system->kind, multigrid, least));
     for (int k = 0; k < s->level_count; k++) {
         for (pc_devsolve *m = s; m; m = m->next)
             PC_TRY(fill_level(m, ctx, k, &multigrid->level[k], &share, system));

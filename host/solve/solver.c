@@ -57,16 +57,18 @@ static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *sys
     s->devsolve = NULL;
     PC_TRY(check_diagonal(ctx, system));
     memcpy(s->first_diagonal, system->diagonal, s->row_count * sizeof *s->first_diagonal);
-    if (multigrid)
+    if (multigrid) {
         PC_TRY(pc_multigrid_update(&s->multigrid, ctx, system));
-    else if (!pc_device_is_host(s->device))
+    } else if (!pc_device_is_host(s->device)) {
+        pc_multigrid_free(&s->multigrid, ctx);
         PC_TRY(pc_multigrid_make_finest(&s->multigrid, ctx, system));
+    }
     if (pc_device_is_host(s->device)) {
         PC_TRY(copy_system(&s->system, ctx, system));
         if (multigrid) PC_TRY(pc_multigrid_make_vectors(&s->multigrid, ctx));
         s->has_cycle = multigrid;
     } else {
-        PC_TRY(pc_devsolve_make(&s->devsolve, ctx, s->device, system, &s->multigrid));
+        PC_TRY(pc_devsolve_make(&s->devsolve, ctx, s->device, system, &s->multigrid, s->options.spread_rows));
     }
 done:
     return status;

@@ -91,7 +91,7 @@ static void diagonals_change(pc_context *ctx, pc_device *device, pc_block_kind k
     static const double shift[CHANGES] = {1e-4, 1e-2, 1, 1e-2};
     pc_system system;
     pc_synth_options options = PC_SYNTH_DEFAULTS;
-    pc_solver_options solving = {which, 10000};
+    pc_solver_options solving = {which, 10000, 0};
     pc_solver *solver = NULL;
     pc_solver_stats stats;
     options.around = 61, options.across = 50;
