@@ -109,10 +109,11 @@ static pc_status divide(cl_device_id *ids, pc_context *ctx, const pc_device *who
     const cl_uint units = whole->info.units;
     cl_uint made = 0;
     if (!can_partition(whole->id, CL_DEVICE_PARTITION_BY_COUNTS))
-        return pc_fail(ctx, PC_E_DEVICE, "'%s' has no sub-devices", whole->info.name);
+        return pc_fail(ctx, PC_E_DEVICE, "'%s' cannot be divided into sub-devices", whole->info.name);
     if (parts > units)
-        return pc_fail(ctx, PC_E_DEVICE, "'%s' has %u compute units: not enough for %u sub-devices",
-                       whole->info.name, units, parts);
+        return pc_fail(ctx, PC_E_DEVICE,
+                       "'%s' cannot be divided into %u sub-devices: it has %u compute unit%s",
+                       whole->info.name, parts, units, units == 1 ? "" : "s");
     for (cl_uint k = 0; k < parts; k++)
         ways[k + 1] = (cl_device_partition_property)(units / parts + (k < units % parts));
     ways[parts + 1] = CL_DEVICE_PARTITION_BY_COUNTS_LIST_END;
