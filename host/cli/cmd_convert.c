@@ -50,7 +50,8 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
         PC_CHOICE("ngons", &line->ngons, "split|keep",
                   "cells that are not quads: split into quads (default), or kept whole"),
         PC_TEXT("device", 0, &o->device, "DEVICE",
-                "cpu, gpu, P:D, part of a name, or host (plain C); see 'percale devices'"),
+                "cpu, gpu, P:D, part of a name, or host (plain C); see 'percale devices'. Several: A,B, or "
+                "A/N for N sub-devices of A"),
         PC_FLAG("curl-correction", 0, &o->curl_correction,
                 "let the size of the quads vary, for fewer irregular vertices"),
         PC_TEXT("to", 0, &line->last, "STAGE",

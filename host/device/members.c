@@ -20,6 +20,8 @@ static pc_status read_list(size_t *chosen, int *count, pc_context *ctx, const pc
             return pc_fail(ctx, PC_E_DEVICE, "'%s': at most %d devices compute together", wanted,
                            PC_MOST_MEMBERS);
         size_t k = length > 0 ? pc_catalogue_find(catalogue, name, taken) : SIZE_MAX;
+        if (k == SIZE_MAX && length > 0 && pc_catalogue_find(catalogue, name, NULL) != SIZE_MAX)
+            return pc_fail(ctx, PC_E_DEVICE, "'%s': no further device fits '%s'", wanted, name);
         if (k == SIZE_MAX) return pc_catalogue_refuse(catalogue, ctx, length > 0 ? name : wanted);
         taken[k] = true;
         chosen[(*count)++] = k;
