@@ -1,12 +1,12 @@
 # Several devices together write the same bytes as one; what cannot be had is refused.
 . "$here/lib.sh"
-place=$("$PERCALE" devices | sed -nE '1s/^([0-9]+:[0-9]+) .*/\1/p')
-[ -n "$place" ] || { echo "there is no OpenCL device"; exit 77; }
+read -r place units < <("$PERCALE" devices | awk '/^[0-9]+:[0-9]+ +cpu / { p = $1 } p && / units, / { print p, $1; exit }')
+[ -n "$place" ] || { echo "no CPU has OpenCL"; exit 77; }
 # So many vertices that the solver spreads its rows over both.
 torus 184 90 >t.obj
 members() { "$PERCALE" convert t.obj -o "$1" --device "$2" --threads 2 --edge-length 0.6 --quiet; }
 both="$place/2"
-"$PERCALE" devices | grep -q '^ *1 units' && both="$place,$place"
+[ "$units" -gt 1 ] || both="$place,$place"
 members one "$place"
 members two "$both"
 same one two && echo "devices: same"

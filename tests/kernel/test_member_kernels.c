@@ -14,19 +14,24 @@ extern const char pc_kernel_halo[];
 
 static const pc_block_kind kinds[3] = {PC_BLOCK_SCALAR, PC_BLOCK_COMPLEX, PC_BLOCK_TURNED};
 
-/* `place` is of the device as a list asks for it; as sub-devices where there are enough compute units. */
+/* The default device as often as asked for in a list, or cut into so many sub-devices; NULL where it cannot
+ * be.
+ */
 static pc_device *open_members(pc_context *ctx, pc_shape shape, int count, bool divided) {
     char wanted[64] = "";
     pc_device_info *infos = NULL;
     pc_device *device = NULL;
     size_t found = 0;
     assert_ok(ctx, pc_device_list(&infos, &found, ctx));
-    if (found > 0 && divided && infos[0].units >= (unsigned)count) {
-        (void)snprintf(wanted, sizeof wanted, "%d:%d/%d", infos[0].platform, infos[0].device, count);
+    const pc_device_info *at = infos;
+    for (size_t i = found; i-- > 0;)
+        if (infos[i].cpu) at = &infos[i];
+    if (found > 0 && divided && at->cpu && at->units >= (unsigned)count) {
+        (void)snprintf(wanted, sizeof wanted, "%d:%d/%d", at->platform, at->device, count);
     } else if (found > 0 && !divided) {
         for (int k = 0; k < count; k++)
             (void)snprintf(wanted + strlen(wanted), sizeof wanted - strlen(wanted), "%s%d:%d",
-                           k > 0 ? "," : "", infos[0].platform, infos[0].device);
+                           k > 0 ? "," : "", at->platform, at->device);
     }
     pc_free(ctx, infos);
     if (wanted[0] == '\0') return NULL;
