@@ -48,7 +48,7 @@ static pc_status check_alike(pc_context *ctx, const pc_catalogue *catalogue, con
 
 static pc_status open_list(pc_device **device, pc_context *ctx, const pc_catalogue *catalogue,
                            const char *wanted) {
-    size_t chosen[PC_MOST_MEMBERS];
+    size_t chosen[PC_MOST_MEMBERS] = {0};
     cl_device_id ids[PC_MOST_MEMBERS];
     cl_context context = NULL;
     pc_device *d = NULL;
@@ -105,6 +105,10 @@ static bool can_partition(cl_device_id id, cl_device_partition_property how) {
     return false;
 }
 
+static cl_uint units_of_part(cl_uint units, cl_uint parts, cl_uint part) {
+    return units / parts + (part < units % parts);
+}
+
 /* All compute units, as evenly as they go. */
 static pc_status divide(cl_device_id *ids, pc_context *ctx, const pc_device *whole, cl_uint parts) {
     cl_device_partition_property ways[PC_MOST_MEMBERS + 3] = {CL_DEVICE_PARTITION_BY_COUNTS};
@@ -117,7 +121,7 @@ static pc_status divide(cl_device_id *ids, pc_context *ctx, const pc_device *who
                        "'%s' cannot be divided into %u sub-devices: it has %u compute unit%s",
                        whole->info.name, parts, units, units == 1 ? "" : "s");
     for (cl_uint k = 0; k < parts; k++)
-        ways[k + 1] = (cl_device_partition_property)(units / parts + (k < units % parts));
+        ways[k + 1] = units_of_part(units, parts, k);
     ways[parts + 1] = CL_DEVICE_PARTITION_BY_COUNTS_LIST_END;
     cl_int error = clCreateSubDevices(whole->id, ways, parts, ids, &made);
     if (error == CL_SUCCESS && made == parts) return PC_OK;
@@ -144,7 +148,7 @@ static pc_status open_parts(pc_device **device, pc_context *ctx, const pc_device
         d->member_count = 0;
         for (; opened < parts; opened++) {
             pc_device_info of_part = *info;
-            of_part.units = info->units / parts + (opened < info->units % parts);
+            of_part.units = units_of_part(info->units, parts, opened);
             PC_TRY(pc_device_start(&d->member[opened], ctx, &of_part, ids[opened], context));
             d->member[opened]->divided = true;
             d->member_count++;

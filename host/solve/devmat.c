@@ -96,7 +96,7 @@ PC_ALWAYS_INLINE void stage_entry(pc_block_form form, const copying *c, staged *
     for (size_t u = 0; u < size; u++) {
         size_t at = to * rows * size + value_place(form, (pc_index)rows, lane, u);
         s->value[at] = padding ? 0 : m->value[size * e + u];
-        if (s->exact) s->exact[at] = padding ? 0 : c->exact->value[size * e + u];
+        if (c->exact) s->exact[at] = padding ? 0 : c->exact->value[size * e + u];
     }
 }
 

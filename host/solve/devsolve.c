@@ -106,7 +106,7 @@ pc_status pc_devsolve_make(pc_devsolve **solve, pc_context *ctx, pc_device *devi
         groups += (*last)->finest->numbers / GROUP + 1;
         last = &(*last)->next;
     }
-    if (cycle->exchange) PC_TRY(pc_buffer_zeroed(&s->sums, ctx, cycle->device, groups * sizeof(double)));
+    if (s && s->next) PC_TRY(pc_buffer_zeroed(&s->sums, ctx, s->cycle->device, groups * sizeof(double)));
 done:
     if (status == PC_OK) {
         *solve = s;
@@ -147,6 +147,8 @@ static size_t partial_count(const pc_devsolve *s, partials of) {
 /* Adds the partial sums of all members into a scalar, which all get. */
 static pc_status finish(pc_devsolve *s, pc_context *ctx, partials of, int slot) {
     const bool chunks = s->cycle->shape == PC_SHAPE_CHUNK;
+    pc_exchange *exchange = s->cycle->exchange;
+    const size_t per_row = of == OF_ROWS ? 1 : (size_t)s->cycle->width;
     pc_status status = PC_OK;
     pc_buffer *partial[PC_MOST_MEMBERS];
     pc_buffer *scalars[PC_MOST_MEMBERS];
@@ -158,18 +160,15 @@ static pc_status finish(pc_devsolve *s, pc_context *ctx, partials of, int slot) 
         counts[m->cycle->number] = partial_count(m, of);
         count += counts[m->cycle->number];
     }
-    if (s->cycle->exchange) {
-        const size_t per_block =
-            (chunks ? 1 : PC_SHARE_BLOCK / GROUP) * (of == OF_ROWS ? 1 : (size_t)s->cycle->width);
-        PC_TRY(pc_exchange_sums(s->cycle->exchange, ctx, s->sums, partial, counts, per_block));
-    }
+    if (exchange)
+        PC_TRY(pc_exchange_sums(exchange, ctx, s->sums, partial, counts,
+                                per_row * (chunks ? 1 : PC_SHARE_BLOCK / GROUP)));
     PC_TRY(pc_kernel_run(ctx, s->finish, chunks ? 1 : GROUP, chunks ? 1 : GROUP,
                          (double)count * sizeof(double),
-                         PC_ARGS(PC_BUF(s->cycle->exchange ? s->sums : s->partial), PC_BUF(s->scalars),
+                         PC_ARGS(PC_BUF(exchange ? s->sums : s->partial), PC_BUF(s->scalars),
                                  PC_U32((uint32_t)count), PC_U32((uint32_t)slot))));
-    if (s->cycle->exchange)
-        PC_TRY(pc_exchange_tell(s->cycle->exchange, ctx, scalars, (size_t)slot * sizeof(double),
-                                sizeof(double)));
+    if (exchange)
+        PC_TRY(pc_exchange_tell(exchange, ctx, scalars, (size_t)slot * sizeof(double), sizeof(double)));
 done:
     return status;
 }
@@ -192,20 +191,19 @@ static pc_status outer_part(pc_devsolve *s, pc_context *ctx, const pc_devmat_par
 /* q = A p, and p.q; `of_x`: with x for p */
 static pc_status outer_product(pc_devsolve *s, pc_context *ctx, bool of_x) {
     pc_status status = PC_OK;
+    pc_exchange *exchange = s->cycle->exchange;
+    const size_t width = (size_t)s->cycle->width;
     pc_buffer *vector[PC_MOST_MEMBERS];
     size_t first[PC_MOST_MEMBERS];
     for (pc_devsolve *m = s; m; m = m->next) {
         vector[m->cycle->number] = of_x ? m->x : m->p;
-        first[m->cycle->number] = m->finest->numbers / (size_t)s->cycle->width;
+        first[m->cycle->number] = m->finest->numbers / width;
     }
-    if (s->cycle->exchange)
-        PC_TRY(pc_exchange_start(s->cycle->exchange, ctx, 0, vector, first,
-                                 (size_t)s->cycle->width * sizeof(double)));
+    if (exchange) PC_TRY(pc_exchange_start(exchange, ctx, 0, vector, first, width * sizeof(double)));
     for (pc_devsolve *m = s; m; m = m->next) {
         const pc_devmat *a = &m->finest->matrix;
         for (int late = 0; late < 2; late++) {
-            if (late && s->cycle->exchange)
-                PC_TRY(pc_exchange_finish(s->cycle->exchange, ctx, m->cycle->number));
+            if (late && exchange) PC_TRY(pc_exchange_finish(exchange, ctx, m->cycle->number));
             for (int k = 0; k < a->part_count; k++)
                 if (a->part[k].late == late)
                     PC_TRY(outer_part(m, ctx, &a->part[k], vector[m->cycle->number]));
@@ -329,9 +327,10 @@ pc_status pc_devsolve_run(pc_devsolve *solve, pc_context *ctx, double *x, const 
     pc_status status = PC_OK;
     double *scratch = NULL;
     double square = 0;
+    const size_t width = (size_t)solve->cycle->width;
     size_t n = 0;
     for (const pc_devsolve *m = solve; m; m = m->next)
-        n += (size_t)m->finest->order.count * (size_t)m->cycle->width;
+        n += m->finest->order.count * width;
     for (size_t i = 0; i < n; i++)
         square += b[i] * b[i];
     if (!isfinite(square)) return pc_fail(ctx, PC_E_BUG, "a right-hand side is not finite");

@@ -216,6 +216,45 @@ static void halo_kernels_match_their_reference(void **state) {
     pc_device_close(device, ctx);
 }
 
+/* Every allocation of set-up and solve may fail: an error comes back and nothing leaks. */
+static void memory_may_run_out(void **state) {
+    pc_context *ctx = *state;
+    pc_system system;
+    pc_synth_options torus = PC_SYNTH_DEFAULTS;
+    pc_solver_options options = PC_SOLVER_DEFAULTS;
+    pc_device *device = open_members(ctx, PC_SHAPE_CHUNK, 2, false);
+    pc_status status = PC_E_NOMEM;
+    size_t used = 0;
+    if (!device) skip();
+    torus.around = torus.across = 30;
+    options.spread_rows = 1;
+    assert_ok(ctx, pc_synth_torus_system(&system, ctx, PC_BLOCK_TURNED, &torus));
+    const size_t n = 4 * (size_t)system.row_count;
+    double *b = random_vector(ctx, n, 3);
+    double *x = random_vector(ctx, n, 4);
+    /* The first time without failures: it takes the kernels, which the device keeps. */
+    for (size_t k = 0; status == PC_E_NOMEM; k++) {
+        pc_solver *solver = NULL;
+        pc_memory_fail_at(ctx, k);
+        status = pc_solver_make(&solver, ctx, device, &system, &options);
+        if (status == PC_OK) status = pc_solver_solve(solver, ctx, x, b, 1e-3, NULL);
+        pc_memory_fail_at(ctx, 0);
+        pc_context_clear_message(ctx);
+        pc_solver_free(solver, ctx);
+        if (k == 0) {
+            assert_int_equal(status, PC_OK);
+            status = PC_E_NOMEM;
+            used = pc_memory_used(ctx);
+        }
+        assert_int_equal(pc_memory_used(ctx), used);
+    }
+    assert_int_equal(status, PC_OK);
+    pc_free(ctx, b);
+    pc_free(ctx, x);
+    pc_system_free(&system, ctx);
+    pc_device_close(device, ctx);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(halo_kernels_match_their_reference, make_context, free_context),
@@ -223,6 +262,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(sub_devices_solve_like_one_device, make_context, free_context),
         cmocka_unit_test_setup_teardown(other_ways_to_solve, make_context, free_context),
         cmocka_unit_test_setup_teardown(random_systems_on_members, make_context, free_context),
+        cmocka_unit_test_setup_teardown(memory_may_run_out, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
