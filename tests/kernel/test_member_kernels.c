@@ -89,8 +89,9 @@ static void compare(pc_context *ctx, const pc_system *system, pc_shape shape, in
         double *together = three_solutions(ctx, members, system, options, found);
         for (int k = 0; k < 3; k++)
             assert_int_equal(found[k], expected[k]);
-        for (size_t i = 0; i < n; i++) {
-            if (memcmp(&alone[i], &together[i], sizeof alone[i]) != 0)
+        const bool same = memcmp(alone, together, n * sizeof *alone) == 0;
+        for (size_t i = 0; !same && i < n; i++) {
+            if (alone[i] != together[i] || i + 1 == n)
                 fail_msg("kind %d, shape %d, %d members, number %zu: %.17g alone, %.17g together",
                          system->kind, shape, count, i, alone[i], together[i]);
         }
