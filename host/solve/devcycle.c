@@ -250,12 +250,12 @@ done:
     return status;
 }
 
-/* Starts to fill the copies in a vector of a level: x, or the residual in x_other. */
+/* Starts to fill the copies in a vector of a level (x, or the residual in x_other). */
 static pc_status exchange(pc_devcycle *s, pc_context *ctx, int k, bool residual) {
     pc_buffer *vector[PC_MOST_MEMBERS];
     size_t first[PC_MOST_MEMBERS];
     const size_t width = (size_t)s->width;
-    if (!s->exchange || k > s->spread) return PC_OK;
+    if (!s->exchange) return PC_OK;
     for (pc_devcycle *m = s; m; m = m->next) {
         vector[m->number] = residual ? m->level[k].x_other : m->level[k].x;
         first[m->number] = m->level[k].numbers / width;
@@ -283,7 +283,7 @@ static pc_status smooth_first(pc_devcycle *s, pc_context *ctx, const pc_devlevel
 static pc_status smooth(pc_devcycle *s, pc_context *ctx, int level, int from) {
     pc_status status = PC_OK;
     for (int k = from; k < PC_SMOOTH_STEPS; k++) {
-        PC_TRY(exchange(s, ctx, level, false));
+        if (level < s->spread) PC_TRY(exchange(s, ctx, level, false));
         for (pc_devcycle *m = s; m; m = next_on(m, level)) {
             pc_devlevel *l = &m->level[level];
             PC_TRY(product(
@@ -329,11 +329,11 @@ done:
 static pc_status restrict_residual(pc_devcycle *s, pc_context *ctx, int k) {
     pc_status status = PC_OK;
     pc_buffer *made[PC_MOST_MEMBERS];
-    PC_TRY(exchange(s, ctx, k, false));
+    if (k < s->spread) PC_TRY(exchange(s, ctx, k, false));
     for (pc_devcycle *m = s; m; m = next_on(m, k))
         PC_TRY(product(m, ctx, &m->level[k].matrix, RESIDUAL,
                        (operands){m->level[k].x_other, m->level[k].x, m->level[k].b, NULL, 0, 0}));
-    PC_TRY(exchange(s, ctx, k, true));
+    if (k < s->spread) PC_TRY(exchange(s, ctx, k, true));
     for (pc_devcycle *m = s; m; m = next_on(m, k)) {
         made[m->number] = m->level[k + 1].b;
         PC_TRY(product(m, ctx, &m->level[k].restriction, APPLY,

@@ -3,6 +3,8 @@
 #include "parts.h"
 #include <string.h>
 
+_Static_assert(PC_MOST_MEMBERS <= 16, "a bit of uint16_t per member");
+
 /* While a share is made: who makes each row of a level, and who has copies of it, a bit per member. */
 typedef struct dealing {
     pc_share *share;
