@@ -13,13 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TURNS = 3, WAYS = 3 };
+enum { TURNS = 15, WAYS = 3 };
 static const char *const way_names[WAYS] = {"one member", "all members", "undivided"};
 
 /* One way to solve a system, the best of all turns. */
 typedef struct way {
     pc_device *device; /* NULL: there is no such way */
     pc_index spread_rows;
+    pc_solver *solver;
     double setup, solve, solve_cpu;
     double halo; /* share of the bytes that kernels moved */
     pc_index iterations;
@@ -40,25 +41,30 @@ static pc_status measure_halo(way *w, pc_context *ctx) {
     return status;
 }
 
-static pc_status solve(way *w, pc_context *ctx, const pc_system *system, const double *b, size_t n,
-                       double tolerance) {
+static pc_status make(way *w, pc_context *ctx, const pc_system *system, size_t n) {
     pc_status status = PC_OK;
-    pc_solver *solver = NULL;
-    pc_solver_stats stats;
     pc_solver_options options = PC_SOLVER_DEFAULTS;
     options.spread_rows = w->spread_rows;
+    w->solve = w->solve_cpu = INFINITY;
+    PC_TRY(pc_new(&w->x, ctx, n));
+    PC_TRY(pc_solver_make(&w->solver, ctx, w->device, system, &options));
+done:
+    return status;
+}
+
+static pc_status solve(way *w, pc_context *ctx, const double *b, size_t n, double tolerance) {
+    pc_status status = PC_OK;
+    pc_solver_stats stats;
     memset(w->x, 0, n * sizeof *w->x);
-    PC_TRY(pc_solver_make(&solver, ctx, w->device, system, &options));
     pc_device_reset_stats(w->device);
     const double cpu = pc_clock_cpu();
-    PC_TRY(pc_solver_solve(solver, ctx, w->x, b, tolerance, &stats));
+    PC_TRY(pc_solver_solve(w->solver, ctx, w->x, b, tolerance, &stats));
     w->solve_cpu = fmin(w->solve_cpu, pc_clock_cpu() - cpu);
-    PC_TRY(measure_halo(w, ctx));
-    w->setup = fmin(w->setup, stats.setup_seconds);
     w->solve = fmin(w->solve, stats.solve_seconds);
+    w->setup = stats.setup_seconds;
     w->iterations = stats.iterations;
+    PC_TRY(measure_halo(w, ctx));
 done:
-    pc_solver_free(solver, ctx);
     return status;
 }
 
@@ -75,13 +81,11 @@ static pc_status compare(pc_context *ctx, pc_device *device, const pc_system *sy
     PC_TRY(pc_new(&b, ctx, n));
     for (size_t i = 0; i < n; i++)
         b[i] = 2 * pc_random_uniform(&random) - 1;
-    for (int k = 0; k < WAYS; k++) {
-        ways[k].setup = ways[k].solve = ways[k].solve_cpu = INFINITY;
-        PC_TRY(pc_new(&ways[k].x, ctx, n));
-    }
+    for (int k = 0; k < WAYS; k++)
+        if (ways[k].device) PC_TRY(make(&ways[k], ctx, system, n));
     for (int turn = 0; turn < TURNS; turn++)
         for (int k = 0; k < WAYS; k++)
-            if (ways[k].device) PC_TRY(solve(&ways[k], ctx, system, b, n, tolerance));
+            if (ways[k].device) PC_TRY(solve(&ways[k], ctx, b, n, tolerance));
     for (int k = 0; k < WAYS; k++) {
         const way *w = &ways[k];
         if (!w->device) continue;
@@ -91,8 +95,10 @@ static pc_status compare(pc_context *ctx, pc_device *device, const pc_system *sy
         (void)fflush(stdout);
     }
 done:
-    for (int k = 0; k < WAYS; k++)
+    for (int k = 0; k < WAYS; k++) {
+        pc_solver_free(ways[k].solver, ctx);
         pc_free(ctx, ways[k].x);
+    }
     pc_free(ctx, b);
     return status;
 }
