@@ -37,30 +37,26 @@ static pc_status make_level_vectors(pc_devcycle *s, pc_context *ctx, pc_devlevel
     level->numbers = padded * (size_t)s->width;
     /* One slice at least: rows without couplings read place 0. */
     const size_t read = padded + level->order.copies > slice ? padded + level->order.copies : slice;
-    pc_buffer **vectors[4] = {&level->x, &level->x_other, &level->d, &level->b};
-    const size_t rows[4] = {read, read, padded, (most + slice - 1) / slice * slice};
-    for (int v = 0; v < 4; v++)
+    pc_buffer **vectors[4] = {&level->x, &level->x_other, &level->b, &level->d};
+    const size_t rows[4] = {read, read, (most + slice - 1) / slice * slice, padded};
+    for (int v = 0; v < (level == s->level ? 3 : 4); v++)
         PC_TRY(pc_buffer_zeroed(vectors[v], ctx, s->device, rows[v] * row));
 done:
     return status;
 }
 
-static pc_status make_level(pc_devcycle *s, pc_context *ctx, int k, const pc_level *host,
-                            const pc_share_rows *next, const pc_system *exact) {
+/* To and from the next level. */
+static pc_status make_transfers(pc_devcycle *s, pc_context *ctx, int k, const pc_level *host,
+                                const pc_share_rows *next) {
     pc_status status = PC_OK;
     pc_devlevel *level = &s->level[k];
-    level->chebyshev = host->chebyshev;
-    PC_TRY(
-        pc_devmat_make(&level->matrix, ctx, s->device, &host->matrix, &level->order, &level->order, exact));
-    if (k + 1 < s->level_count) {
-        /* Of the rows below, a member restricts its own, or those that it is told to. */
-        const pc_row_order made =
-            next && next->made ? (pc_row_order){next->made_count, next->made, NULL, 0} : level[1].order;
-        PC_TRY(pc_devmat_make(&level->prolongator, ctx, s->device, &host->prolongator, &level->order,
-                              &level[1].order, NULL));
-        PC_TRY(pc_devmat_make(&level->restriction, ctx, s->device, &host->restriction, &made, &level->order,
-                              NULL));
-    }
+    /* Of the rows below, a member restricts its own, or those that it is told to. */
+    const pc_row_order made =
+        next && next->made ? (pc_row_order){next->made_count, next->made, NULL, 0} : level[1].order;
+    PC_TRY(pc_devmat_make(&level->prolongator, ctx, s->device, &host->prolongator, &level->order,
+                          &level[1].order, s->storage));
+    PC_TRY(pc_devmat_make(&level->restriction, ctx, s->device, &host->restriction, &made, &level->order,
+                          s->storage));
 done:
     return status;
 }
@@ -78,7 +74,7 @@ done:
 }
 
 static pc_status start_member(pc_devcycle **cycle, pc_context *ctx, pc_device *device, pc_block_kind kind,
-                              const pc_multigrid *multigrid) {
+                              const pc_multigrid *multigrid, pc_storage storage) {
     pc_devcycle *s = NULL;
     pc_status status = pc_new(cycle, ctx, 1);
     if (status != PC_OK) return status;
@@ -89,6 +85,7 @@ static pc_status start_member(pc_devcycle **cycle, pc_context *ctx, pc_device *d
     s->level_count = s->spread = multigrid->level_count;
     s->jacobi = multigrid->finest_only;
     s->scale = multigrid->scale;
+    s->storage = storage;
     return get_kernels(s, ctx, (pc_block_form)kind);
 }
 
@@ -120,7 +117,8 @@ static pc_status spread_out(pc_devcycle *s, pc_context *ctx, pc_device *device, 
     PC_TRY(pc_exchange_make(&s->exchange, ctx, device, share, (size_t)s->width * sizeof(double)));
     for (int number = 0; number < share->member_count; number++) {
         if (number > 0) {
-            PC_TRY(start_member(&m->next, ctx, pc_device_member(device, number), kind, multigrid));
+            PC_TRY(
+                start_member(&m->next, ctx, pc_device_member(device, number), kind, multigrid, s->storage));
             m = m->next;
         }
         m->number = number;
@@ -137,41 +135,67 @@ done:
     return status;
 }
 
-/* One member's part of a level. */
-static pc_status fill_level(pc_devcycle *s, pc_context *ctx, int k, const pc_level *host,
-                            const pc_share *share, const pc_system *system) {
+static pc_share_rows *rows_of(const pc_share *share, int level, int member) {
+    return share->rows && level < share->level_count ? pc_share_of(share, level, member) : NULL;
+}
+
+/* Matrices of a level on all members. What the host has of it goes as soon as it can. */
+static pc_status fill_level(pc_devcycle *s, pc_context *ctx, int k, pc_multigrid *multigrid,
+                            const pc_share *share) {
     pc_status status = PC_OK;
-    const bool shared = share->rows != NULL;
-    pc_share_rows *rows = shared && k < share->level_count ? pc_share_of(share, k, s->number) : NULL;
-    const pc_share_rows *next =
-        shared && k + 1 < share->level_count ? pc_share_of(share, k + 1, s->number) : NULL;
-    if (k >= levels_of(s)) return PC_OK;
-    PC_TRY(make_level_vectors(s, ctx, &s->level[k], rows ? rows->made_count : 0));
-    if (holds(s, k)) PC_TRY(make_level(s, ctx, k, host, next, k == 0 ? system : NULL));
-    /* Matrices are read by columns; from now on only rows are looked up. */
-    pc_free(ctx, s->level[k].order.place);
-    s->level[k].order.place = NULL;
+    const pc_level *host = &multigrid->level[k];
+    for (pc_devcycle *m = s; m && k + 1 < s->level_count; m = m->next)
+        if (holds(m, k)) PC_TRY(make_transfers(m, ctx, k, host, rows_of(share, k + 1, m->number)));
+    pc_multigrid_free_transfers(multigrid, ctx, k);
+    for (pc_devcycle *m = s; m; m = m->next) {
+        pc_devlevel *level = &m->level[k];
+        level->chebyshev = host->chebyshev;
+        if (holds(m, k))
+            PC_TRY(pc_devmat_make(&level->matrix, ctx, m->device, &host->matrix, &level->order, &level->order,
+                                  m->storage));
+    }
+    pc_multigrid_free_couplings(multigrid, ctx, k);
+done:
+    return status;
+}
+
+/* From the last level up: the finest, the largest, then finds the others' matrices gone from the host. */
+static pc_status fill(pc_devcycle *s, pc_context *ctx, pc_multigrid *multigrid, const pc_share *share) {
+    pc_status status = PC_OK;
+    if (multigrid->level[0].matrix.borrowed) {
+        pc_free(ctx, multigrid->level[0].matrix.value);
+        multigrid->level[0].matrix.value = NULL;
+    }
+    for (int k = s->level_count - 1; k >= 0; k--)
+        PC_TRY(fill_level(s, ctx, k, multigrid, share));
+    for (pc_devcycle *m = s; m; m = m->next) {
+        for (int k = 0; k < levels_of(m); k++) {
+            const pc_share_rows *rows = rows_of(share, k, m->number);
+            PC_TRY(make_level_vectors(m, ctx, &m->level[k], rows ? rows->made_count : 0));
+            /* Matrices are read by columns; from now on only rows are looked up. */
+            pc_free(ctx, m->level[k].order.place);
+            m->level[k].order.place = NULL;
+        }
+    }
 done:
     return status;
 }
 
 pc_status pc_devcycle_make(pc_devcycle **cycle, pc_context *ctx, pc_device *device, const pc_system *system,
-                           pc_multigrid *multigrid, pc_index spread_rows) {
+                           pc_multigrid *multigrid, const pc_solver_options *options) {
     pc_status status = PC_OK;
     pc_devcycle *s = NULL;
     pc_share share = {0};
     const uint64_t members = (uint64_t)pc_device_member_count(device);
-    const pc_index least = spread_rows > 0 ? spread_rows : worth_rows[pc_device_shape(device)];
+    const pc_index least =
+        options->spread_rows > 0 ? options->spread_rows : worth_rows[pc_device_shape(device)];
     const bool spread = members > 1 && system->row_count >= members * least;
     *cycle = NULL;
-    PC_TRY(start_member(&s, ctx, spread ? pc_device_member(device, 0) : device, system->kind, multigrid));
+    PC_TRY(start_member(&s, ctx, spread ? pc_device_member(device, 0) : device, system->kind, multigrid,
+                        options->half ? PC_STORE_HALF : PC_STORE_FLOAT));
     PC_TRY(make_orders(s, ctx, multigrid));
     if (spread) PC_TRY(spread_out(s, ctx, device, &share, system->kind, multigrid, least));
-    for (int k = 0; k < s->level_count; k++) {
-        for (pc_devcycle *m = s; m; m = m->next)
-            PC_TRY(fill_level(m, ctx, k, &multigrid->level[k], &share, system));
-        pc_multigrid_free_couplings(multigrid, ctx, k);
-    }
+    PC_TRY(fill(s, ctx, multigrid, &share));
     if (multigrid->inverse)
         PC_TRY(pc_buffer_from(&s->direct, ctx, s->device, multigrid->inverse,
                               (size_t)s->direct_count * s->direct_count * sizeof(float)));
@@ -191,7 +215,7 @@ static void free_member(pc_devcycle *s, pc_context *ctx) {
         pc_devmat_free(&level->matrix, ctx);
         pc_devmat_free(&level->prolongator, ctx);
         pc_devmat_free(&level->restriction, ctx);
-        pc_buffer *vectors[4] = {level->x, level->x_other, level->d, level->b};
+        pc_buffer *vectors[4] = {level->x, level->x_other, level->b, k > 0 ? level->d : NULL};
         for (int v = 0; v < 4; v++)
             pc_buffer_free(vectors[v], ctx);
     }
@@ -218,7 +242,8 @@ typedef struct operands {
 static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *m, const pc_devmat_part *part,
                               int mode, const operands *o) {
     const size_t rows = m->slice_rows;
-    const size_t entry = rows * ((size_t)pc_form_size(m->form) + 1) * sizeof(float);
+    const size_t entry = rows * ((size_t)pc_form_size(m->form) * (m->storage == PC_STORE_HALF ? 2 : 4) +
+                                 (part->narrow ? 2 : 4));
     const size_t row = rows * (size_t)s->width * sizeof(float);
     static const int passes[4] = {2, 3, 3, 6};
     size_t per_item = 1;
@@ -231,10 +256,10 @@ static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *
     double bytes = (double)part->entries * (double)entry + (double)part->slices * passes[mode] * (double)row;
     return pc_kernel_run(ctx, s->product, items, s->shape == PC_SHAPE_CHUNK ? 1 : 0, bytes,
                          PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value),
-                                 PC_BUF(m->diagonal ? m->diagonal : o->x),
-                                 PC_BUF(m->inverse ? m->inverse : o->x), PC_BUF(o->x),
-                                 PC_BUF(o->b ? o->b : o->x), PC_BUF(o->y), PC_BUF(o->d ? o->d : o->y),
-                                 PC_U32(part->first), PC_U32(part->slices), PC_U32((uint32_t)per_item),
+                                 PC_BUF(part->exponent), PC_BUF(m->diagonal ? m->diagonal : o->x),
+                                 PC_BUF(o->x), PC_BUF(o->b ? o->b : o->x), PC_BUF(o->y),
+                                 PC_BUF(o->d ? o->d : o->y), PC_U32(part->first), PC_U32(part->slices),
+                                 PC_U32((uint32_t)per_item), PC_U32(pc_devmat_storage(m, part)),
                                  PC_U32((uint32_t)mode), PC_F32(o->alpha), PC_F32(o->beta)));
 }
 
@@ -275,7 +300,7 @@ static pc_status smooth_first(pc_devcycle *s, pc_context *ctx, const pc_devlevel
     return pc_kernel_run(ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
                          (double)rows * (3.0 * s->width + pc_form_diagonal(level->matrix.form)) *
                              sizeof(float),
-                         PC_ARGS(PC_BUF(level->matrix.inverse), PC_BUF(level->b), PC_BUF(level->x),
+                         PC_ARGS(PC_BUF(level->matrix.diagonal), PC_BUF(level->b), PC_BUF(level->x),
                                  PC_BUF(level->d), PC_U32((uint32_t)rows), PC_U32((uint32_t)s->width),
                                  PC_U32((uint32_t)per_item), PC_F32(beta)));
 }

@@ -4,13 +4,14 @@
 #define PC_DEVCYCLE_H
 
 #include "exchange.h"
+#include "solver.h"
 
 typedef struct pc_devlevel {
     pc_row_order order;
     pc_devmat matrix, prolongator, restriction;
     pc_chebyshev chebyshev;
     size_t numbers;                 /* of a vector on the device, without copies */
-    pc_buffer *x, *x_other, *d, *b; /* residuals go to x_other */
+    pc_buffer *x, *x_other, *d, *b; /* residuals go to x_other; the finest level's d is lent by the caller */
 } pc_devlevel;
 
 /* One member's part. The first one has all of the levels that are not spread out; where the device computes
@@ -24,6 +25,7 @@ typedef struct pc_devcycle {
     pc_shape shape;
     int width;
     int level_count;
+    pc_storage storage;
     bool jacobi;  /* D^-1 takes the place of the cycle */
     double scale; /* of the hierarchy against the system */
     pc_devlevel level[PC_MOST_LEVELS];
@@ -34,7 +36,7 @@ typedef struct pc_devcycle {
 
 /* As pc_devsolve_make. */
 pc_status pc_devcycle_make(pc_devcycle **cycle, pc_context *ctx, pc_device *device, const pc_system *system,
-                           pc_multigrid *multigrid, pc_index spread_rows);
+                           pc_multigrid *multigrid, const pc_solver_options *options);
 /* After pc_multigrid_set_diagonal. */
 pc_status pc_devcycle_set_diagonal(pc_devcycle *cycle, pc_context *ctx, const pc_multigrid *multigrid);
 /* NULL is fine. */

@@ -10,9 +10,9 @@ typedef struct pc_devsolve pc_devsolve;
 
 /* Moves the hierarchy to the device, its diagonals and last level stay here too, and copies the system, which
  * may be freed afterwards. `multigrid` holds all levels, or the finest alone: then D^-1 preconditions.
- * `spread_rows` as in pc_solver_options. PC_E_DEVICE on a device without doubles. */
+ * PC_E_DEVICE on a device without doubles. */
 pc_status pc_devsolve_make(pc_devsolve **solve, pc_context *ctx, pc_device *device, const pc_system *system,
-                           pc_multigrid *multigrid, pc_index spread_rows);
+                           pc_multigrid *multigrid, const pc_solver_options *options);
 /* The system's diagonal anew, after pc_multigrid_set_diagonal. */
 pc_status pc_devsolve_set_diagonal(pc_devsolve *solve, pc_context *ctx, const double *diagonal,
                                    const pc_multigrid *multigrid);

@@ -145,7 +145,7 @@ static void other_ways_to_solve(void **state) {
     pc_context *ctx = *state;
     pc_system system;
     pc_synth_options torus = PC_SYNTH_DEFAULTS;
-    pc_solver_options jacobi = {PC_PRECONDITION_JACOBI, 10000, 1000};
+    pc_solver_options jacobi = {PC_PRECONDITION_JACOBI, 10000, 1000, true};
     pc_solver_options options = PC_SOLVER_DEFAULTS;
     skip_without_device(ctx);
     torus.around = torus.across = 91, torus.shift = 0.1;
