@@ -11,9 +11,9 @@
 not installed, or takes longer than --limit, is noted as such. PyAMG runs where this Python has it.
 """
 import argparse
+import contextlib
 import datetime
 import json
-import contextlib
 import math
 import os
 import pathlib
@@ -26,9 +26,9 @@ import time
 
 import provenance
 
-METHODS = ["percale", "jacobi", "cholmod", "boomeramg", "pyamg"]
-NAMES = {"percale": "Percale", "jacobi": "block-Jacobi CG", "cholmod": "CHOLMOD, METIS order",
-         "boomeramg": "hypre BoomerAMG + CG", "pyamg": "PyAMG smoothed aggregation + CG"}
+METHODS = ["percale", "percale16", "jacobi", "cholmod", "boomeramg", "pyamg"]
+NAMES = {"percale": "Percale", "percale16": "Percale, hierarchy in 16 bits", "jacobi": "block-Jacobi CG",
+         "cholmod": "CHOLMOD, METIS order", "boomeramg": "hypre BoomerAMG + CG", "pyamg": "PyAMG smoothed aggregation + CG"}
 
 
 def read_system(path):
@@ -118,7 +118,8 @@ def run(options):
                     if method == "pyamg":
                         command = [sys.executable, os.path.abspath(__file__), "pyamg", path]
                     result = dict(made) if "failed" in made else one(command, options.limit, environment)
-                    result.update(machine=provenance.machine("then"), commit=provenance.commit_of_tree(), method=method, scan=os.path.basename(scan), subdivisions=int(subdivisions),
+                    result.update(machine=provenance.machine("then"), commit=provenance.commit_of_tree())
+                    result.update(method=method, scan=os.path.basename(scan), subdivisions=int(subdivisions),
                                   kind=kind, rows=made.get("rows", 0), load=os.getloadavg()[0],
                                   date=datetime.date.today().isoformat())
                     log.write(json.dumps(result) + "\n")
@@ -142,7 +143,7 @@ def table(options):
     if options.plot:
         print("![CPU seconds against vertices](../../docs/images/solver.png)\n")
     last = max(newest.values(), key=lambda r: r["date"])
-    print(f"{last.get('machine', 'machine not recorded').rpartition(';')[0] or last.get('machine', '')}; {last['date']}; "
+    print(f"{last.get('machine', 'machine not recorded; ').rpartition(';')[0]}; {last['date']}; "
           f"one minute's load {min(r['load'] for r in results):.0f} to {max(r['load'] for r in results):.0f}: "
           f"compare CPU seconds.\nMade by `bench/solver.py`; commit {options.commit or last.get('commit', 'unknown')}.\n")
     for kind, title in (("field", "Field"), ("pgp", "PGP")):

@@ -151,8 +151,8 @@ kernel void conjugate_complex(MATRIX) {
         halves sum;
         if (storage == (HALF | NARROW) && !wide)
             sum = complex_sum(OF_ENTRIES(HALF | NARROW, 0));
-        else if (storage == HALF && !wide)
-            sum = complex_sum(OF_ENTRIES(HALF, 0));
+        else if (storage == NARROW && !wide)
+            sum = complex_sum(OF_ENTRIES(NARROW, 0));
         else
             sum = complex_sum(OF_ENTRIES(storage, wide));
         const double8 g = vload8(first + s, diagonal);
@@ -210,8 +210,8 @@ kernel void conjugate_turned(MATRIX) {
             halves sums;
             if (storage == (HALF | NARROW) && !wide)
                 sums = turned_sum(OF_ENTRIES(HALF | NARROW, 0), side);
-            else if (storage == HALF && !wide)
-                sums = turned_sum(OF_ENTRIES(HALF, 0), side);
+            else if (storage == NARROW && !wide)
+                sums = turned_sum(OF_ENTRIES(NARROW, 0), side);
             else
                 sums = turned_sum(OF_ENTRIES(storage, wide), side);
             const double8 u_sum = sums.low;

@@ -93,7 +93,7 @@ inline float8 units(const global uchar *exponent, uint s) {
 #define OF_ENTRIES(storage) column, value, x, start[s], start[s + 1], LEAST(s), storage
 #define PICK(SUM)                                                                                            \
     (storage == (HALF | NARROW) ? SUM(OF_ENTRIES(HALF | NARROW))                                             \
-                                : storage == HALF ? SUM(OF_ENTRIES(HALF)) : SUM(OF_ENTRIES(storage)))
+                                : storage == NARROW ? SUM(OF_ENTRIES(NARROW)) : SUM(OF_ENTRIES(storage)))
 
 inline float8 scalar_sum(ENTRIES) {
     float8 sum = 0;
