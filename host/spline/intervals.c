@@ -2,7 +2,6 @@
 #include "memory.h"
 #include "polygraph.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Elimination is dense: of more faces with sums of their own the rest is refused. */
@@ -349,7 +348,7 @@ pc_status pc_intervals_solve(double *interval, uint8_t *refused, pc_intervals_st
     number_sides(&s);
     while (join_equal(&s, chain)) {
     }
-    if (!getenv("NOSTAR")) PC_TRY(join_stars(&s, ctx));
+    PC_TRY(join_stars(&s, ctx));
     while (join_equal(&s, chain)) {
     }
     PC_TRY(make_rows(&s, refused, stats, ctx, chain));

@@ -3,8 +3,11 @@
 #include "oddpair.h"
 #include "polygraph.h"
 #include "vec3.h"
-#include <stdlib.h>
 #include <string.h>
+
+/* Odd polygons so many edges apart are joined: longer strips come out askew, and take more control points in
+ * the end than what the centres of odd polygons cost. */
+static const int farthest = 2;
 
 typedef enum kind { WHOLE, EVEN, ODD } kind;
 
@@ -116,14 +119,13 @@ static bool stays(const carving *c, const uint8_t *apart, pc_index f) {
     return corners == 4 && !apart[c->source ? c->source[f] : f];
 }
 
-static pc_status pair_up(carving *c, pc_context *ctx, const uint8_t *apart) {
+static pc_status pair_up(carving *c, pc_context *ctx, const uint8_t *apart, const uint8_t *alone) {
     pc_status status = PC_OK;
     uint8_t *kept = NULL;
     PC_TRY(pc_new(&kept, ctx, c->tidy.face_count));
     for (pc_index f = 0; f < c->tidy.face_count; f++)
-        kept[f] = c->tidy.start[f + 1] - c->tidy.start[f] > 4 && stays(c, apart, f);
-    PC_TRY(
-        pc_oddpair_join(&c->tidy, &c->source, &c->pairs, ctx, kept, getenv("FAR") ? atoi(getenv("FAR")) : 4));
+        kept[f] = alone[f] || (c->tidy.start[f + 1] - c->tidy.start[f] > 4 && stays(c, apart, f));
+    PC_TRY(pc_oddpair_join(&c->tidy, &c->source, &c->pairs, ctx, kept, farthest));
 done:
     pc_free(ctx, kept);
     return status;
@@ -298,13 +300,17 @@ done:
     return status;
 }
 
-/* Polygons whose T-junctions got an edge from the other side all the same go apart too. */
-static bool is_spoilt(uint8_t *apart, const carving *c) {
+/* Polygons whose T-junctions got an edge from the other side all the same go apart too; those whose joining
+ * left a vertex between two faces only are not joined. */
+static bool is_spoilt(uint8_t *apart, uint8_t *alone, const carving *c) {
     bool spoilt = false;
     for (size_t i = 0; i < c->part_count; i++) {
         const piece *p = c->part + i;
-        for (pc_index k = p->start; k < p->start + p->count; k++)
-            if (c->flat[k] && c->degree[c->corner[k]] != 3) apart[p->source] = spoilt = true;
+        for (pc_index k = p->start; k < p->start + p->count; k++) {
+            const pc_index v = c->corner[k];
+            if (c->flat[k] && c->degree[v] != 3) apart[p->source] = spoilt = true;
+            if (!c->border[v] && c->degree[v] < 3 && !alone[p->source]) alone[p->source] = spoilt = true;
+        }
     }
     return spoilt;
 }
@@ -478,23 +484,25 @@ pc_status pc_pattern_make(pc_pattern *pattern, pc_context *ctx, const pc_polymes
                           const uint8_t *apart) {
     pc_status status = PC_OK;
     carving c = {0};
-    uint8_t *own = NULL;
+    uint8_t *own = NULL, *alone = NULL;
     *pattern = (pc_pattern){0};
     PC_TRY(pc_new(&own, ctx, polygons->face_count));
+    PC_TRY(pc_new(&alone, ctx, polygons->face_count));
     if (apart) memcpy(own, apart, polygons->face_count);
     do {
         drop_carving(&c, ctx);
         PC_TRY(tidy_up(&c, ctx, polygons));
-        PC_TRY(pair_up(&c, ctx, own));
+        PC_TRY(pair_up(&c, ctx, own, alone));
         PC_TRY(list_neighbours(&c, ctx));
         PC_TRY(carve_all(&c, ctx, own));
-    } while (is_spoilt(own, &c));
+    } while (is_spoilt(own, alone, &c));
     PC_TRY(join_parts(&c, ctx));
     PC_TRY(write_faces(pattern, &c, ctx));
     pattern->pairs = c.pairs;
 done:
     drop_carving(&c, ctx);
     pc_free(ctx, own);
+    pc_free(ctx, alone);
     if (status != PC_OK) pc_pattern_free(pattern, ctx);
     return status;
 }
