@@ -220,10 +220,10 @@ static chord best_chord(const carving *c, const piece *p) {
     return best;
 }
 
-/* Spokes to the corners of this parity. */
+/* Spokes to the corners of this parity, and one more vertex. */
 static double cost_of_star(const carving *c, const piece *p, pc_index parity) {
     const pc_index spokes = p->count / 2;
-    double cost = spokes > 4 ? spokes - 4 : 4 - spokes;
+    double cost = 1 + (spokes > 4 ? spokes - 4.0 : 4.0 - spokes);
     for (pc_index i = parity; i < p->count; i += 2)
         cost += gain_of_edge(c, c->corner[p->start + i]);
     return cost;

@@ -29,15 +29,11 @@ static pc_status try_once(pc_tlayout *layout, bool *more, uint8_t *apart, pc_con
     *more = stats.refused > 0;
     for (pc_index f = 0; f < pattern.faces.face_count; f++)
         if (refused[f]) apart[pattern.source[f]] = 1;
-    pc_index whole = 0;
-    for (pc_index f = 0; f < pattern.faces.face_count; f++)
-        whole += pattern.whole[f];
     pc_log(ctx, PC_LOG_DEBUG,
-           "spline: %u polygons, %u faces: %u with T-junctions, %u pairs, %u cuts, %u even and %u odd "
-           "centres; %u chains "
-           "in %u rows, %u changed, %u faces refused",
-           polygons->face_count, pattern.faces.face_count, whole, pattern.pairs, pattern.cuts, pattern.even,
-           pattern.odd, stats.chains, stats.rows, stats.changed, stats.refused);
+           "spline: %u polygons, %u faces: %u pairs, %u cuts, %u even and %u odd centres; %u rows of knot "
+           "intervals, %u faces refused",
+           polygons->face_count, pattern.faces.face_count, pattern.pairs, pattern.cuts, pattern.even,
+           pattern.odd, stats.rows, stats.refused);
     if (*more) goto done;
     layout->faces = pattern.faces, pattern.faces = (pc_polymesh){0};
     layout->interval = pattern.interval, pattern.interval = NULL;

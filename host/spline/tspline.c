@@ -119,14 +119,6 @@ pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh
         PC_TRY(make_plain(spline, ctx, &layout.faces, layout.interval, options));
         PC_TRY(settle(spline, ctx));
     }
-    pc_index ext = 0, border = 0;
-    for (pc_index v = 0; v < spline->mesh.vertex_count; v++)
-        ext += spline->mesh.vertex[v].extraordinary;
-    pc_index irr = 0;
-    for (pc_index f = 0; f < spline->mesh.face_count; f++)
-        irr += pc_tface_is_irregular(&spline->mesh, f);
-    pc_log(ctx, PC_LOG_DEBUG, "spline: %u vertices extraordinary, %u of %u faces irregular %u", ext, irr,
-           spline->mesh.face_count, border);
     PC_TRY(pc_tspline_complete(spline, ctx));
 done:
     pc_tlayout_free(&layout, ctx);
