@@ -98,7 +98,12 @@ static pc_status tidy_up(carving *c, pc_context *ctx, const pc_polymesh *p) {
         pc_index w = p->corner[k + 1 < p->start[f + 1] ? k + 1 : p->start[f]];
         faces[v]++;
         flats[v] += p->corner_flat && p->corner_flat[k];
-        if (graph.twin[k] == PC_NONE) c->border[v] = c->border[w] = 1;
+        if (graph.twin[k] != PC_NONE) continue;
+        if (!graph.boundary[k])
+            PC_TRY(pc_fail(ctx, PC_E_MESH,
+                           "the edge at corner %u of face %u is shared by more than two faces",
+                           k - p->start[f], f));
+        c->border[v] = c->border[w] = 1;
     }
     drop_useless(drop, left, p, &graph, c->border, faces);
     copy_tidied(&c->tidy, p, drop, left, c->border, faces, flats);

@@ -20,7 +20,8 @@ typedef struct pc_pattern {
  * - more than five corners: cut from corner to corner, where that makes better valences than a centre;
  * - an even number: a centre joined to every second corner, to those of valence 3 rather than others;
  * - an odd number: a centre joined to the middle of every side. Neighbours get T-junctions there.
- * Vertices between two polygons only go. PC_E_NOMEM, PC_E_BUG where a corner is out of range. */
+ * Vertices between two polygons only go. PC_E_MESH where an edge is not between two faces that run along it
+ * in opposite directions, PC_E_BUG where a corner is out of range, PC_E_NOMEM. */
 pc_status pc_pattern_make(pc_pattern *pattern, pc_context *ctx, const pc_polymesh *polygons,
                           const uint8_t *apart);
 void pc_pattern_free(pc_pattern *pattern, pc_context *ctx);

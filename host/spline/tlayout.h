@@ -13,7 +13,8 @@ typedef struct pc_tlayout {
 bool pc_tlayout_is_plain(const pc_polymesh *polygons);
 /* Polygons of four corners keep their T-junctions where knot intervals can be found for them
  * (pc_intervals_solve); those that cannot, and polygons of other than four corners, become faces around new
- * vertices (pc_pattern_make). Vertices of the polygons come first. PC_E_NOMEM, PC_E_BUG. */
+ * vertices (pc_pattern_make). Vertices of the polygons come first. Errors as
+ * pc_pattern_make and pc_intervals_solve. */
 pc_status pc_tlayout_make(pc_tlayout *layout, pc_context *ctx, const pc_polymesh *polygons);
 void pc_tlayout_free(pc_tlayout *layout, pc_context *ctx);
 
