@@ -49,70 +49,102 @@ static int gain_of_edge(const carving *c, pc_index v) {
     return (c->closed[v] ? 8 : 0) + irregularity(c, v, 1) - irregularity(c, v, 0);
 }
 
-/* Who has how many faces: inner vertices of two only are dropped where three corners stay. */
-static void drop_useless(uint8_t *drop, pc_index *left, const pc_polymesh *p, const pc_polygraph *graph,
-                         const uint8_t *border, const pc_index *faces) {
+/* What is known of the vertices and faces of `tidy` while it is tidied up. */
+typedef struct tidying {
+    pc_polygraph graph;
+    pc_index *faces, *flats; /* per vertex: faces around, and those that it is flat in */
+    pc_index *left;          /* per face: corners; 0 where it goes */
+    uint8_t *drop;           /* per vertex */
+} tidying;
+
+/* Inner vertices of two faces only go; so does a triangle there, and the other face takes its place. */
+static bool drop_useless(tidying *t, const carving *c) {
+    const pc_polymesh *p = &c->tidy;
+    bool dropped = false;
     for (pc_index f = 0; f < p->face_count; f++)
-        left[f] = p->start[f + 1] - p->start[f];
-    for (pc_index c = 0; c < graph->corner_count; c++) {
-        pc_index v = p->corner[c], f = graph->face[c];
-        if (drop[v] || border[v] || faces[v] != 2 || graph->twin[c] == PC_NONE) continue;
-        pc_index g = graph->face[graph->twin[c]];
-        if (f == g || left[f] < 4 || left[g] < 4) continue;
-        drop[v] = 1, left[f]--, left[g]--;
+        t->left[f] = p->start[f + 1] - p->start[f];
+    for (pc_index k = 0; k < t->graph.corner_count; k++) {
+        pc_index v = p->corner[k], f = t->graph.face[k];
+        if (t->drop[v] || c->border[v] || t->faces[v] != 2 || t->graph.twin[k] == PC_NONE) continue;
+        pc_index g = t->graph.face[t->graph.twin[k]];
+        if (f == g || t->left[f] < 3 || t->left[g] < 3 || t->left[f] + t->left[g] < 7) continue;
+        t->drop[v] = dropped = true;
+        t->left[f] = t->left[f] > 3 ? t->left[f] - 1 : 0;
+        t->left[g] = t->left[g] > 3 ? t->left[g] - 1 : 0;
     }
+    return dropped;
 }
 
 /* T-junctions are between three faces inside of the mesh, and in the side of one. */
-static void copy_tidied(pc_polymesh *tidy, const pc_polymesh *p, const uint8_t *drop, const pc_index *left,
-                        const uint8_t *border, const pc_index *faces, const pc_index *flats) {
-    pc_index at = 0;
-    memcpy(tidy->position, p->position, 3 * sizeof(double) * p->vertex_count);
+static void write_tidied(carving *c, const tidying *t) {
+    pc_polymesh *p = &c->tidy;
+    pc_index at = 0, face = 0, from = 0;
     for (pc_index f = 0; f < p->face_count; f++) {
-        tidy->start[f] = at;
-        for (pc_index c = p->start[f]; c < p->start[f + 1]; c++) {
-            pc_index v = p->corner[c];
-            if (drop[v]) continue;
-            tidy->corner_flat[at] = p->corner_flat && p->corner_flat[c] && left[f] > 4 && !border[v] &&
-                                    faces[v] == 3 && flats[v] == 1;
-            tidy->corner[at++] = v;
+        pc_index to = p->start[f + 1];
+        for (pc_index k = from; k < to && t->left[f]; k++) {
+            pc_index v = p->corner[k];
+            if (t->drop[v]) continue;
+            p->corner_flat[at] =
+                p->corner_flat[k] && t->left[f] > 4 && !c->border[v] && t->faces[v] == 3 && t->flats[v] == 1;
+            p->corner[at++] = v;
         }
+        from = to;
+        if (!t->left[f]) continue;
+        c->source[face] = c->source[f];
+        p->start[++face] = at;
     }
-    tidy->start[p->face_count] = at;
+    p->face_count = face;
 }
 
-static pc_status tidy_up(carving *c, pc_context *ctx, const pc_polymesh *p) {
+static pc_status look_at_vertices(tidying *t, carving *c, pc_context *ctx) {
     pc_status status = PC_OK;
-    pc_polygraph graph = {0};
-    pc_index *faces = NULL, *flats = NULL, *left = NULL;
-    uint8_t *drop = NULL;
-    PC_TRY(pc_polygraph_of_polymesh(&graph, ctx, p));
-    PC_TRY(pc_polymesh_make(&c->tidy, ctx, p->vertex_count, p->face_count, graph.corner_count));
+    const pc_polymesh *p = &c->tidy;
+    PC_TRY(pc_polygraph_of_polymesh(&t->graph, ctx, p));
     PC_TRY(pc_new(&c->border, ctx, p->vertex_count));
-    PC_TRY(pc_new(&faces, ctx, p->vertex_count));
-    PC_TRY(pc_new(&flats, ctx, p->vertex_count));
-    PC_TRY(pc_new(&drop, ctx, p->vertex_count));
-    PC_TRY(pc_new(&left, ctx, p->face_count));
-    for (pc_index k = 0; k < graph.corner_count; k++) {
-        pc_index v = p->corner[k], f = graph.face[k];
+    PC_TRY(pc_new(&t->faces, ctx, p->vertex_count));
+    PC_TRY(pc_new(&t->flats, ctx, p->vertex_count));
+    PC_TRY(pc_new(&t->drop, ctx, p->vertex_count));
+    PC_TRY(pc_new(&t->left, ctx, p->face_count));
+    for (pc_index k = 0; k < t->graph.corner_count; k++) {
+        pc_index v = p->corner[k], f = t->graph.face[k];
         pc_index w = p->corner[k + 1 < p->start[f + 1] ? k + 1 : p->start[f]];
-        faces[v]++;
-        flats[v] += p->corner_flat && p->corner_flat[k];
-        if (graph.twin[k] != PC_NONE) continue;
-        if (!graph.boundary[k])
+        t->faces[v]++;
+        t->flats[v] += p->corner_flat[k];
+        if (t->graph.twin[k] != PC_NONE) continue;
+        if (!t->graph.boundary[k])
             PC_TRY(pc_fail(ctx, PC_E_MESH,
                            "the edge at corner %u of face %u is shared by more than two faces",
-                           k - p->start[f], f));
+                           k - p->start[f], c->source[f]));
         c->border[v] = c->border[w] = 1;
     }
-    drop_useless(drop, left, p, &graph, c->border, faces);
-    copy_tidied(&c->tidy, p, drop, left, c->border, faces, flats);
 done:
-    pc_polygraph_free(&graph, ctx);
-    pc_free(ctx, faces);
-    pc_free(ctx, flats);
-    pc_free(ctx, left);
-    pc_free(ctx, drop);
+    return status;
+}
+
+static pc_status tidy_up(carving *c, pc_context *ctx, const pc_polymesh *polygons) {
+    pc_status status = PC_OK;
+    tidying t = {0};
+    bool dropped = true;
+    PC_TRY(pc_polymesh_copy(&c->tidy, ctx, polygons));
+    PC_TRY(pc_new(&c->source, ctx, polygons->face_count));
+    for (pc_index f = 0; f < polygons->face_count; f++)
+        c->source[f] = f;
+    while (dropped && status == PC_OK) {
+        pc_free(ctx, c->border);
+        c->border = NULL;
+        status = look_at_vertices(&t, c, ctx);
+        if (status == PC_OK) {
+            dropped = drop_useless(&t, c);
+            write_tidied(c, &t);
+        }
+        pc_polygraph_free(&t.graph, ctx);
+        pc_free(ctx, t.faces);
+        pc_free(ctx, t.flats);
+        pc_free(ctx, t.drop);
+        pc_free(ctx, t.left);
+        t = (tidying){0};
+    }
+done:
     return status;
 }
 
@@ -121,18 +153,22 @@ static bool stays(const carving *c, const uint8_t *apart, pc_index f) {
     pc_index corners = 0;
     for (pc_index k = c->tidy.start[f]; k < c->tidy.start[f + 1]; k++)
         corners += !c->tidy.corner_flat[k];
-    return corners == 4 && !apart[c->source ? c->source[f] : f];
+    return corners == 4 && !apart[c->source[f]];
 }
 
 static pc_status pair_up(carving *c, pc_context *ctx, const uint8_t *apart, const uint8_t *alone) {
     pc_status status = PC_OK;
     uint8_t *kept = NULL;
+    pc_index *part = NULL;
     PC_TRY(pc_new(&kept, ctx, c->tidy.face_count));
     for (pc_index f = 0; f < c->tidy.face_count; f++)
-        kept[f] = alone[f] || (c->tidy.start[f + 1] - c->tidy.start[f] > 4 && stays(c, apart, f));
-    PC_TRY(pc_oddpair_join(&c->tidy, &c->source, &c->pairs, ctx, kept, farthest));
+        kept[f] = alone[c->source[f]] || (c->tidy.start[f + 1] - c->tidy.start[f] > 4 && stays(c, apart, f));
+    PC_TRY(pc_oddpair_join(&c->tidy, &part, &c->pairs, ctx, kept, farthest));
+    for (pc_index f = 0; f < c->tidy.face_count; f++)
+        c->source[f] = c->source[part[f]]; /* parts are in order */
 done:
     pc_free(ctx, kept);
+    pc_free(ctx, part);
     return status;
 }
 
