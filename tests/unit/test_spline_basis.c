@@ -153,7 +153,7 @@ static void fins_are_refused(void **state) {
         pc_tspline spline;
         assert_ok(ctx, pc_polymesh_make(&quads, ctx, 8, 3, 12));
         for (pc_index v = 0; v < 8; v++)
-            pc_vec3_put(quads.position, v, (pc_vec3){v % 2, v / 2, v % 3});
+            pc_vec3_put(quads.position, v, (pc_vec3){v % 2, 0.5 * v, v % 3});
         memcpy(quads.corner, corner, sizeof corner);
         for (pc_index f = 0; f <= 3; f++)
             quads.start[f] = f < 3 ? 4 * f : 12 - missing;
