@@ -2,6 +2,7 @@
 #include "memory.h"
 #include "oddpair.h"
 #include "polygraph.h"
+#include "spare.h"
 #include "vec3.h"
 #include <string.h>
 
@@ -18,7 +19,7 @@ typedef struct piece {
 } piece;
 
 typedef struct carving {
-    pc_polymesh tidy; /* the polygons without useless vertices and flats, odd ones joined in pairs */
+    pc_polymesh tidy; /* the polygons without spare vertices, odd ones joined in pairs */
     pc_index *source; /* per polygon of it: the one given */
     pc_index pairs;
     uint8_t *border;  /* per vertex */
@@ -47,192 +48,6 @@ static int irregularity(const carving *c, pc_index v, int more) {
 
 static int gain_of_edge(const carving *c, pc_index v) {
     return (c->closed[v] ? 8 : 0) + irregularity(c, v, 1) - irregularity(c, v, 0);
-}
-
-/* What is known of the vertices and faces of `tidy` while it is tidied up. */
-typedef struct tidying {
-    const pc_polymesh *mesh;
-    pc_polygraph graph;
-    pc_index *faces, *flats; /* per vertex: faces around, and those that it is flat in */
-    pc_index *left;          /* per face: corners; 0 where it goes */
-    uint8_t *drop;           /* per vertex */
-    uint8_t *changed;        /* per face: in this pass */
-    uint8_t *open;           /* per corner: its edge goes */
-} tidying;
-
-static pc_index next_corner(const tidying *t, pc_index k) {
-    pc_index f = t->graph.face[k];
-    return k + 1 < t->mesh->start[f + 1] ? k + 1 : t->mesh->start[f];
-}
-
-static pc_index previous_corner(const tidying *t, pc_index k) {
-    pc_index f = t->graph.face[k];
-    return (k > t->mesh->start[f] ? k : t->mesh->start[f + 1]) - 1;
-}
-
-/* The vertices beside corner k that stay. */
-static pc_index vertex_after(const tidying *t, pc_index k) {
-    do
-        k = next_corner(t, k);
-    while (t->drop[t->mesh->corner[k]]);
-    return t->mesh->corner[k];
-}
-
-static pc_index vertex_before(const tidying *t, pc_index k) {
-    do
-        k = previous_corner(t, k);
-    while (t->drop[t->mesh->corner[k]]);
-    return t->mesh->corner[k];
-}
-
-/* Whether an edge joins the vertex of corner k to v. */
-static bool has_edge_to(const tidying *t, pc_index k, pc_index v) {
-    pc_index at = k;
-    do {
-        pc_index before = previous_corner(t, at);
-        if (vertex_after(t, at) == v || vertex_before(t, at) == v) return true;
-        at = t->graph.twin[before];
-    } while (at != PC_NONE && at != k);
-    for (; at == PC_NONE || at != k;) { /* a border: the other way round */
-        at = t->graph.twin[at == PC_NONE ? k : at];
-        if (at == PC_NONE) return false;
-        at = next_corner(t, at);
-        if (vertex_after(t, at) == v) return true;
-    }
-    return false;
-}
-
-/* The faces have three vertices in common and no more. */
-static bool share_three(const tidying *t, pc_index f, pc_index g) {
-    int shared = 0;
-    for (pc_index i = t->mesh->start[f]; i < t->mesh->start[f + 1]; i++)
-        for (pc_index j = t->mesh->start[g]; j < t->mesh->start[g + 1]; j++)
-            shared += t->mesh->corner[i] == t->mesh->corner[j];
-    return shared == 3;
-}
-
-/* The vertex of corner k, inner and of the two faces f and g only, goes: out of both faces, a triangle's
- * place being taken by the other one, or, where its neighbours have an edge already, with the edges between
- * them. */
-static bool drop_vertex(tidying *t, pc_index k, pc_index f, pc_index g) {
-    const pc_index before = previous_corner(t, k), v = t->mesh->corner[k];
-    const bool triangle = t->left[f] == 3 || t->left[g] == 3;
-    if (t->left[f] + t->left[g] < 7) return false;
-    if (triangle || !has_edge_to(t, before, t->mesh->corner[next_corner(t, k)])) {
-        t->drop[v] = 1;
-        t->left[f] = t->left[f] > 3 ? t->left[f] - 1 : 0;
-        t->left[g] = t->left[g] > 3 ? t->left[g] - 1 : 0;
-    } else {
-        if (!share_three(t, f, g)) return false;
-        t->open[k] = t->open[t->graph.twin[k]] = 1;
-        t->open[before] = t->open[t->graph.twin[before]] = 1;
-        t->left[f] += t->left[g] - 4;
-        t->left[g] = 0;
-    }
-    t->changed[f] = t->changed[g] = 1;
-    return true;
-}
-
-static bool drop_useless(tidying *t, const carving *c) {
-    bool dropped = false;
-    for (pc_index f = 0; f < t->mesh->face_count; f++)
-        t->left[f] = t->mesh->start[f + 1] - t->mesh->start[f];
-    for (pc_index k = 0; k < t->graph.corner_count; k++) {
-        pc_index v = t->mesh->corner[k], f = t->graph.face[k];
-        if (c->border[v] || t->faces[v] != 2 || t->graph.twin[k] == PC_NONE || t->changed[f]) continue;
-        pc_index g = t->graph.face[t->graph.twin[k]];
-        if (f != g && !t->changed[g]) dropped |= drop_vertex(t, k, f, g);
-    }
-    return dropped;
-}
-
-/* T-junctions are between three faces inside of the mesh, and in the side of one. */
-static pc_status write_tidied(carving *c, pc_context *ctx, const tidying *t) {
-    pc_status status = PC_OK;
-    const pc_polymesh *p = t->mesh;
-    pc_polymesh out = {0};
-    pc_index at = 0, face = 0;
-    PC_TRY(pc_polymesh_make(&out, ctx, p->vertex_count, p->face_count, t->graph.corner_count));
-    memcpy(out.position, p->position, 3 * sizeof(double) * p->vertex_count);
-    for (pc_index f = 0; f < p->face_count; f++) {
-        if (!t->left[f]) continue;
-        pc_index first = p->start[f];
-        while (t->open[first])
-            first++;
-        pc_index k = first;
-        do {
-            pc_index v = p->corner[k];
-            bool flat = p->corner_flat[k] && t->left[f] > 4 && !c->border[v] && t->faces[v] == 3;
-            out.corner_flat[at] = flat && t->flats[v] == 1;
-            if (!t->drop[v]) out.corner[at++] = v;
-            k = next_corner(t, k);
-            while (t->open[k])
-                k = next_corner(t, t->graph.twin[k]);
-        } while (k != first);
-        c->source[face] = c->source[f];
-        out.start[++face] = at;
-    }
-    out.face_count = face;
-    pc_polymesh_free(&c->tidy, ctx);
-    c->tidy = out;
-done:
-    return status;
-}
-
-static pc_status look_at_vertices(tidying *t, carving *c, pc_context *ctx) {
-    pc_status status = PC_OK;
-    const pc_polymesh *p = t->mesh = &c->tidy;
-    PC_TRY(pc_polygraph_of_polymesh(&t->graph, ctx, p));
-    PC_TRY(pc_new(&t->open, ctx, t->graph.corner_count));
-    PC_TRY(pc_new(&t->changed, ctx, p->face_count));
-    PC_TRY(pc_new(&c->border, ctx, p->vertex_count));
-    PC_TRY(pc_new(&t->faces, ctx, p->vertex_count));
-    PC_TRY(pc_new(&t->flats, ctx, p->vertex_count));
-    PC_TRY(pc_new(&t->drop, ctx, p->vertex_count));
-    PC_TRY(pc_new(&t->left, ctx, p->face_count));
-    for (pc_index k = 0; k < t->graph.corner_count; k++) {
-        pc_index v = p->corner[k], f = t->graph.face[k];
-        pc_index w = p->corner[k + 1 < p->start[f + 1] ? k + 1 : p->start[f]];
-        t->faces[v]++;
-        t->flats[v] += p->corner_flat[k];
-        if (t->graph.twin[k] != PC_NONE) continue;
-        if (!t->graph.boundary[k])
-            PC_TRY(pc_fail(ctx, PC_E_MESH,
-                           "the edge at corner %u of face %u is shared by more than two faces",
-                           k - p->start[f], c->source[f]));
-        c->border[v] = c->border[w] = 1;
-    }
-done:
-    return status;
-}
-
-static pc_status tidy_up(carving *c, pc_context *ctx, const pc_polymesh *polygons) {
-    pc_status status = PC_OK;
-    tidying t = {0};
-    bool dropped = true;
-    PC_TRY(pc_polymesh_copy(&c->tidy, ctx, polygons));
-    PC_TRY(pc_new(&c->source, ctx, polygons->face_count));
-    for (pc_index f = 0; f < polygons->face_count; f++)
-        c->source[f] = f;
-    while (dropped && status == PC_OK) {
-        pc_free(ctx, c->border);
-        c->border = NULL;
-        status = look_at_vertices(&t, c, ctx);
-        if (status == PC_OK) {
-            dropped = drop_useless(&t, c);
-            status = write_tidied(c, ctx, &t);
-        }
-        pc_polygraph_free(&t.graph, ctx);
-        pc_free(ctx, t.faces);
-        pc_free(ctx, t.flats);
-        pc_free(ctx, t.drop);
-        pc_free(ctx, t.left);
-        pc_free(ctx, t.changed);
-        pc_free(ctx, t.open);
-        t = (tidying){0};
-    }
-done:
-    return status;
 }
 
 /* Of four corners, with or without T-junctions, and not to go apart. */
@@ -619,7 +434,8 @@ pc_status pc_pattern_make(pc_pattern *pattern, pc_context *ctx, const pc_polymes
     if (apart) memcpy(own, apart, polygons->face_count);
     do {
         drop_carving(&c, ctx);
-        PC_TRY(tidy_up(&c, ctx, polygons));
+        PC_TRY(pc_polymesh_copy(&c.tidy, ctx, polygons));
+        PC_TRY(pc_spare_drop(&c.tidy, &c.source, &c.border, ctx));
         PC_TRY(pair_up(&c, ctx, own, alone));
         PC_TRY(list_neighbours(&c, ctx));
         PC_TRY(carve_all(&c, ctx, own));
