@@ -153,10 +153,6 @@ static pc_status finish_options(convert_line *line, pc_context *ctx) {
         status = pc_fail(ctx, PC_E_USAGE, "--formats are those of the T-spline: --tolerance makes one");
         goto done;
     }
-    if (line->tolerance && options->keep_ngons) {
-        status = pc_fail(ctx, PC_E_USAGE, "--tolerance wants quads only: leave out --ngons keep");
-        goto done;
-    }
     const char *stop = getenv("PERCALE_STOP_AFTER"); /* a hook of the tests: CONTRIBUTING.md */
     if (stop) PC_TRY(find_stage(&options->stop_after, ctx, "PERCALE_STOP_AFTER", stop));
     if (line->threads) {
