@@ -1,6 +1,7 @@
 /* One solver on one system, in a process of its own, for bench/solver.py; prints a line of JSON.
  *   bench_rivals make FILE DEVICE SCAN SUBDIVISIONS field|pgp     write a system
- *   bench_rivals percale|jacobi|cholmod|boomeramg FILE [DEVICE]   solve it to 1e-6 and to 1e-10 */
+ *   bench_rivals percale|percale16|jacobi|cholmod|boomeramg FILE [DEVICE]   solve it to 1e-6 and to 1e-10
+ * percale16 keeps the hierarchy in 16 bits. */
 #include "clock.h"
 #include "memory.h"
 #include "peer_solvers.h"
@@ -33,10 +34,10 @@ done:
 }
 
 static pc_status solve_ours(pc_peer_result *result, pc_context *ctx, const char *device_name,
-                            pc_preconditioner which, const pc_system *system, const double *b, double *x,
-                            const double tolerance[2]) {
+                            pc_preconditioner which, bool half, const pc_system *system, const double *b,
+                            double *x, const double tolerance[2]) {
     const size_t n = system->row_count * (size_t)pc_block_width(system->kind);
-    pc_solver_options options = {which, 20000};
+    pc_solver_options options = {which, 20000, 0, half};
     pc_status status = PC_OK;
     pc_device *device = NULL;
     pc_solver *solver = NULL;
@@ -63,7 +64,11 @@ static pc_status solve_ours(pc_peer_result *result, pc_context *ctx, const char 
         PC_TRY(pc_solver_approach(solver, ctx, x, b, tolerance[k], 1, &stats));
         result->solve_cpu[k] = pc_clock_cpu() - cpu, result->solve_wall[k] = pc_clock_wall() - wall;
         result->iterations[k] = (int)stats.iterations;
+        /* The check below is not the solver's. */
+        const double peak = (double)pc_clock_peak_bytes();
+        if (peak > result->bytes_peak) result->bytes_peak = peak;
         result->residual[k] = pc_peer_residual(system, ctx, b, x);
+        pc_clock_reset_peak();
     }
 done:
     pc_solver_free(solver, ctx);
@@ -81,6 +86,7 @@ static pc_status solve(pc_context *ctx, const char *method, const char *path, co
     const size_t n = system.row_count * (size_t)pc_block_width(system.kind);
     PC_TRY(pc_new(&b, ctx, n));
     PC_TRY(pc_new(&x, ctx, n));
+    memset(x, 0, n * sizeof *x);
     for (size_t i = 0; i < n; i++)
         b[i] = (double)(pc_hash64(i) >> 11) * 0x1p-52 - 1;
     pc_clock_reset_peak();
@@ -92,13 +98,13 @@ static pc_status solve(pc_context *ctx, const char *method, const char *path, co
     else
         PC_TRY(solve_ours(&r, ctx, device,
                           strcmp(method, "jacobi") == 0 ? PC_PRECONDITION_JACOBI : PC_PRECONDITION_MULTIGRID,
-                          &system, b, x, tolerance));
+                          strcmp(method, "percale16") == 0, &system, b, x, tolerance));
     printf("{\"method\": \"%s\", \"rows\": %u, \"setup_cpu\": %.4f, \"setup\": %.4f, \"solve_cpu\": [%.4f, "
            "%.4f], \"solve\": [%.4f, %.4f], \"iterations\": [%d, %d], \"residual\": [%.2e, %.2e], "
            "\"bytes\": %.0f}\n",
            method, system.row_count, r.setup_cpu, r.setup_wall, r.solve_cpu[0], r.solve_cpu[1],
            r.solve_wall[0], r.solve_wall[1], r.iterations[0], r.iterations[1], r.residual[0], r.residual[1],
-           (double)pc_clock_peak_bytes() - r.bytes_before);
+           (r.bytes_peak > 0 ? r.bytes_peak : (double)pc_clock_peak_bytes()) - r.bytes_before);
 done:
     pc_system_free(&system, ctx);
     pc_free(ctx, b);

@@ -11,6 +11,7 @@ typedef struct pc_peer_result {
     double residual[2];
     int iterations[2];
     double bytes_before; /* resident before the set-up */
+    double bytes_peak;   /* the most until the last solve was done; 0: as much as at the end */
 } pc_peer_result;
 
 /* b and x: width*row_count numbers. PC_E_USAGE where it was not built in. */

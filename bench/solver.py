@@ -1,27 +1,34 @@
 #!/usr/bin/env python3
 """The linear solver against others, on the field and the PGP system of real scans.
 
+    bench/solver.py record LOG --bench build/release/bench [--device D] SCAN:SUBDIVISIONS...
     bench/solver.py run LOG --bench build/release/bench [--device D] SCAN:SUBDIVISIONS...
-    bench/solver.py table LOG [--plot FILE.png] > bench/results/solver.md
+    bench/solver.py table LOG [--plot FILE.png] [--roofline FILE] > bench/results/solver.md
+
+`record` does it all: `run`, bench_roofline, then bench/results/solver.md and docs/images/solver.png.
 
 `run` appends a line of JSON per solver and system to LOG; each solver runs in a process of its own. A solver that is
 not installed, or takes longer than --limit, is noted as such. PyAMG runs where this Python has it.
 """
 import argparse
+import contextlib
 import datetime
 import json
 import math
 import os
-import platform
+import pathlib
+import re
 import resource
 import subprocess
 import sys
 import tempfile
 import time
 
-METHODS = ["percale", "jacobi", "cholmod", "boomeramg", "pyamg"]
-NAMES = {"percale": "Percale", "jacobi": "block-Jacobi CG", "cholmod": "CHOLMOD, METIS order",
-         "boomeramg": "hypre BoomerAMG + CG", "pyamg": "PyAMG smoothed aggregation + CG"}
+import provenance
+
+METHODS = ["percale", "percale16", "jacobi", "cholmod", "boomeramg", "pyamg"]
+NAMES = {"percale": "Percale", "percale16": "Percale, hierarchy in 16 bits", "jacobi": "block-Jacobi CG",
+         "cholmod": "CHOLMOD, METIS order", "boomeramg": "hypre BoomerAMG + CG", "pyamg": "PyAMG smoothed aggregation + CG"}
 
 
 def read_system(path):
@@ -110,21 +117,13 @@ def run(options):
                     command = [program, method, path, options.device]
                     if method == "pyamg":
                         command = [sys.executable, os.path.abspath(__file__), "pyamg", path]
-                    result = made if "failed" in made else one(command, options.limit, environment)
+                    result = dict(made) if "failed" in made else one(command, options.limit, environment)
+                    result.update(machine=provenance.machine("then"), commit=provenance.commit_of_tree())
                     result.update(method=method, scan=os.path.basename(scan), subdivisions=int(subdivisions),
                                   kind=kind, rows=made.get("rows", 0), load=os.getloadavg()[0],
                                   date=datetime.date.today().isoformat())
                     log.write(json.dumps(result) + "\n")
                     log.flush()
-
-
-def processor():
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            name = next(line.split(":", 1)[1].strip() for line in file if line.startswith("model name"))
-    except (OSError, StopIteration):
-        name = platform.processor()
-    return f"{name}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
 
 
 def exponent(rows, seconds):
@@ -141,9 +140,12 @@ def table(options):
     newest = {(r["kind"], r["rows"], r["scan"], r["method"]): r for r in results}
     good = [r for r in newest.values() if "failed" not in r]
     print("# The linear solver against others\n")
-    print(f"{processor()}; {max(r['date'] for r in results)}; one minute's load "
-          f"{min(r['load'] for r in results):.0f} to {max(r['load'] for r in results):.0f}: compare CPU seconds.\n"
-          f"Made by `bench/solver.py`; commit {options.commit}.\n")
+    if options.plot:
+        print("![CPU seconds against vertices](../../docs/images/solver.png)\n")
+    last = max(newest.values(), key=lambda r: r["date"])
+    print(f"{last.get('machine', 'machine not recorded; ').rpartition(';')[0]}; {last['date']}; "
+          f"one minute's load {min(r['load'] for r in results):.0f} to {max(r['load'] for r in results):.0f}: "
+          f"compare CPU seconds.\nMade by `bench/solver.py`; commit {options.commit or last.get('commit', 'unknown')}.\n")
     for kind, title in (("field", "Field"), ("pgp", "PGP")):
         print(f"## {title} systems\n")
         print("| scan | vertices | solver | set-up, CPU s | to 1e-6: its, CPU s | to 1e-10: its, CPU s | "
@@ -176,8 +178,72 @@ def table(options):
                 growth.append(f"{NAMES[method]} {exponent([r['rows'] for r in of], seconds):.2f}")
         if growth:
             print(f"Exponent of CPU seconds, set-up and 1e-6, with vertices: {'; '.join(growth)}.\n")
+        print(asked(newest, kind))
+    if options.roofline:
+        print(roofline_tables(options.roofline))
     if options.plot:
         plot(good, options.plot)
+
+
+def seconds_of(r):
+    return r["setup_cpu"] + r["solve_cpu"][0]
+
+
+def asked(newest, kind):
+    """The ratios that matter, on the largest system that both solved."""
+    ours = {k: r for k, r in newest.items() if k[0] == kind and k[3] == "percale" and "failed" not in r}
+    lines = ["| on the largest system of both | time against Percale | memory against Percale |", "|---|---|---|"]
+    for method in METHODS[1:]:
+        both = [k for k in ours if "failed" not in newest.get(k[:3] + (method,), {"failed": 1})]
+        if both:
+            key = max(both, key=lambda k: k[1])
+            mine, other = ours[key], newest[key[:3] + (method,)]
+            memory = f"{other['bytes'] / mine['bytes']:.1f}" if other["bytes"] and mine["bytes"] else "not measured"
+            lines.append(f"| {NAMES[method]}, {key[1]} vertices | {seconds_of(other) / seconds_of(mine):.1f} | {memory} |")
+    largest = max(ours, key=lambda k: k[1], default=None)
+    if not largest:
+        return ""
+    share = ours[largest]["setup_cpu"] / ours[largest]["solve_cpu"][0]
+    text = f"Percale at {largest[1]} vertices: set-up {share:.2f} of the solve to 1e-6"
+    field = newest.get(("field",) + largest[1:])
+    if kind == "pgp" and field and "failed" not in field:
+        text += f"; all of it {seconds_of(ours[largest]) / seconds_of(field):.2f} times the field system"
+    return "\n".join(lines) + f"\n\n{text}.\n"
+
+
+def roofline_tables(path):
+    """bench_roofline's lines as tables."""
+    out = ["## Kernels against the triad\n",
+           "`bench_roofline`: synthetic systems; the triad of the same run, before each of them and after.\n"]
+    for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines():
+        head = re.match(r"(.*), (\w+), (\d+) rows: share of the triad's ([\d.]+) GB/s", line)
+        kernel = re.match(r"  (\S+)\s+(?:(\d+) launches)?\s+([\d.]+) ms\s+([\d.]+) MB\s+([\d.]+) GB/s\s+([\d.]+)", line)
+        if head:
+            out += [f"\n{head[2].capitalize()}, {head[3]} rows, {head[1]}:\n",
+                    "| kernel | launches | ms | MB | GB/s | share of the triad |", "|---|---|---|---|---|---|"]
+        elif kernel:
+            out.append(f"| {kernel[1]} | {kernel[2] or ''} | {kernel[3]} | {kernel[4]} | {kernel[5]} | {kernel[6]} |")
+        elif line.strip():
+            out.append(f"\n{line.strip()[0].upper()}{line.strip()[1:]}.")
+    return "\n".join(out)
+
+
+def record(options):
+    root = pathlib.Path(__file__).resolve().parent.parent
+    run(options)
+    with tempfile.TemporaryDirectory() as folder:
+        options.roofline = os.path.join(folder, "roofline")
+        options.commit = None
+        try:
+            import matplotlib  # noqa: F401
+            options.plot = str(root / "docs/images/solver.png")
+        except ImportError:
+            options.plot = None
+        measured = subprocess.run([os.path.join(options.bench, "bench_roofline"), options.device, str(options.vertices)],
+                                  capture_output=True, text=True, check=True)
+        pathlib.Path(options.roofline).write_text(measured.stdout, encoding="utf-8")
+        with open(root / "bench/results/solver.md", "w", encoding="utf-8") as file, contextlib.redirect_stdout(file):
+            table(options)
 
 
 def plot(good, path):
@@ -203,22 +269,27 @@ def plot(good, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
-    runs = commands.add_parser("run")
-    runs.add_argument("log")
-    runs.add_argument("cases", nargs="+", metavar="SCAN:SUBDIVISIONS")
-    runs.add_argument("--bench", required=True)
-    runs.add_argument("--device", default="cpu")
-    runs.add_argument("--limit", type=float, default=1800)
-    runs.add_argument("--kinds", default="field,pgp")
-    runs.add_argument("--methods", default=",".join(METHODS))
+    for name in ("run", "record"):
+        runs = commands.add_parser(name)
+        runs.add_argument("log")
+        runs.add_argument("cases", nargs="+", metavar="SCAN:SUBDIVISIONS")
+        runs.add_argument("--bench", required=True)
+        runs.add_argument("--device", default="cpu")
+        runs.add_argument("--vertices", type=int, default=1000000, help="of the systems of bench_roofline")
+        runs.add_argument("--limit", type=float, default=1800)
+        runs.add_argument("--kinds", default="field,pgp")
+        runs.add_argument("--methods", default=",".join(METHODS))
     tables = commands.add_parser("table")
     tables.add_argument("log")
     tables.add_argument("--plot")
-    tables.add_argument("--commit", default="unknown")
+    tables.add_argument("--roofline")
+    tables.add_argument("--commit")
     commands.add_parser("pyamg").add_argument("path")
     options = parser.parse_args()
     if options.command == "run":
         run(options)
+    elif options.command == "record":
+        record(options)
     elif options.command == "table":
         table(options)
     else:

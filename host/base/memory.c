@@ -1,4 +1,4 @@
-#define _DEFAULT_SOURCE /* madvise */
+#define _DEFAULT_SOURCE /* mmap without a file, madvise */
 #include "memory.h"
 #include "context_private.h"
 #include <stdlib.h>
@@ -28,11 +28,49 @@ static pc_status block_bytes(size_t *bytes, pc_context *ctx, size_t count, size_
     return PC_OK;
 }
 
-static void *raw_block(pc_context *ctx, size_t bytes) {
+/* Large blocks come from the system and go back to it: heaps keep what was freed between blocks that live on.
+ * Where addresses are checked they stay in the checker's heap. */
+#if defined(__SANITIZE_ADDRESS__)
+static const size_t mapped_from = SIZE_MAX;
+#else
+static const size_t mapped_from = 1 << 20;
+#endif
+
+static bool is_mapped(size_t bytes) {
+    return bytes >= mapped_from;
+}
+
+static size_t mapped_bytes(size_t bytes) {
+    enum { PAGE = 4096 };
+    return (bytes + HEADER + PAGE - 1) / PAGE * PAGE;
+}
+
+/* Fresh zeros; large blocks are aligned so that they can be huge pages. */
+static void *map_block(size_t bytes) {
+    const size_t wanted = mapped_bytes(bytes);
+    if (bytes < HUGE_FROM) {
+        void *block = mmap(NULL, wanted, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        return block == MAP_FAILED ? NULL : block;
+    }
+    char *at = mmap(NULL, wanted + HUGE_PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (at == MAP_FAILED) return NULL;
+    const size_t before = (HUGE_PAGE - (uintptr_t)at % HUGE_PAGE) % HUGE_PAGE;
+    if (before > 0) (void)munmap(at, before);
+    (void)munmap(at + before + wanted, HUGE_PAGE - before);
+    return at + before;
+}
+
+static void *raw_block(pc_context *ctx, size_t bytes, bool zeroed) {
     void *base = NULL;
-    size_t alignment = bytes >= HUGE_FROM ? HUGE_PAGE : HEADER;
-    if (refused_by_test(ctx) || posix_memalign(&base, alignment, bytes + HEADER) != 0) return NULL;
+    const bool mapped = is_mapped(bytes);
+    if (refused_by_test(ctx)) return NULL;
+    if (mapped)
+        base = map_block(bytes);
+    else if (posix_memalign(&base, bytes >= HUGE_FROM ? HUGE_PAGE : HEADER, bytes + HEADER) != 0)
+        base = NULL;
+    if (!base) return NULL;
     if (bytes >= HUGE_FROM) (void)madvise(base, bytes + HEADER, MADV_HUGEPAGE);
+    if (zeroed && !mapped) memset((char *)base + HEADER, 0, bytes);
     *(size_t *)base = bytes;
     count_used(ctx, bytes);
     return (char *)base + HEADER;
@@ -43,11 +81,10 @@ pc_status pc_alloc_bytes(void **out, pc_context *ctx, size_t count, size_t size)
     *out = NULL;
     pc_status status = block_bytes(&bytes, ctx, count, size);
     if (status != PC_OK) return status;
-    void *block = raw_block(ctx, bytes);
+    void *block = raw_block(ctx, bytes, true);
     if (!block)
         return pc_fail(ctx, PC_E_NOMEM, "out of memory: %zu more bytes on top of %zu", bytes,
                        pc_memory_used(ctx));
-    memset(block, 0, bytes);
     *out = block;
     return PC_OK;
 }
@@ -56,7 +93,7 @@ pc_status pc_resize_bytes(void **block, pc_context *ctx, size_t count, size_t si
     size_t bytes;
     pc_status status = block_bytes(&bytes, ctx, count, size);
     if (status != PC_OK) return status;
-    void *grown = raw_block(ctx, bytes);
+    void *grown = raw_block(ctx, bytes, false);
     if (!grown)
         return pc_fail(ctx, PC_E_NOMEM, "out of memory: %zu more bytes on top of %zu", bytes,
                        pc_memory_used(ctx));
@@ -72,8 +109,12 @@ pc_status pc_resize_bytes(void **block, pc_context *ctx, size_t count, size_t si
 void pc_free(pc_context *ctx, void *block) {
     if (!block) return;
     void *base = (char *)block - HEADER;
-    atomic_fetch_sub(&ctx->used, *(size_t *)base);
-    free(base);
+    const size_t bytes = *(size_t *)base;
+    atomic_fetch_sub(&ctx->used, bytes);
+    if (is_mapped(bytes))
+        (void)munmap(base, mapped_bytes(bytes));
+    else
+        free(base);
 }
 
 size_t pc_memory_used(const pc_context *ctx) {

@@ -50,7 +50,8 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
         PC_CHOICE("ngons", &line->ngons, "split|keep",
                   "cells that are not quads: split into quads (default), or kept whole"),
         PC_TEXT("device", 0, &o->device, "DEVICE",
-                "cpu, gpu, P:D, part of a name, or host (plain C); see 'percale devices'"),
+                "cpu, gpu, P:D, part of a name, or host (plain C); see 'percale devices'. Several: A,B, or "
+                "A/N for N sub-devices of A"),
         PC_FLAG("curl-correction", 0, &o->curl_correction,
                 "let the size of the quads vary, for fewer irregular vertices"),
         PC_TEXT("to", 0, &line->last, "STAGE",
@@ -150,10 +151,6 @@ static pc_status finish_options(convert_line *line, pc_context *ctx) {
     if (line->formats) PC_TRY(read_formats(options, ctx, line->formats));
     if (line->formats && !line->tolerance) {
         status = pc_fail(ctx, PC_E_USAGE, "--formats are those of the T-spline: --tolerance makes one");
-        goto done;
-    }
-    if (line->tolerance && options->keep_ngons) {
-        status = pc_fail(ctx, PC_E_USAGE, "--tolerance wants quads only: leave out --ngons keep");
         goto done;
     }
     const char *stop = getenv("PERCALE_STOP_AFTER"); /* a hook of the tests: CONTRIBUTING.md */

@@ -3,10 +3,10 @@
 #define PC_DEVICE_PRIVATE_H
 
 #include "device.h"
-#include "launch.h"
+#include "event.h"
 #include <CL/cl.h>
 
-enum { PC_PENDING_EVENTS = 512 };
+enum { PC_PENDING_EVENTS = 512, PC_MOST_DEVICES = 32 };
 
 struct pc_kernel {
     pc_kernel *next;
@@ -48,11 +48,34 @@ struct pc_device {
     cl_device_id id;
     cl_context context;
     cl_command_queue queue;
+    cl_command_queue copies; /* from other members, beside the launches; members only */
+    bool divided;            /* `id` is a sub-device of ours */
+    int member_count;        /* 1 where it computes alone */
+    pc_device *member[PC_MOST_MEMBERS];
     pc_program *programs;
     pc_pending pending[PC_PENDING_EVENTS]; /* launches whose times are not read yet */
     size_t pending_count;
     pc_kernel_stats *stats;
 };
+
+/* The devices of this machine, in the order of P:D. */
+typedef struct pc_catalogue {
+    size_t count;
+    pc_device_info info[PC_MOST_DEVICES];
+    cl_device_id id[PC_MOST_DEVICES];
+} pc_catalogue;
+
+/* The first that fits and is not `taken` (NULL: none is), SIZE_MAX where there is none; P:D may be taken
+ * again. */
+size_t pc_catalogue_find(const pc_catalogue *catalogue, const char *wanted, const bool *taken);
+/* PC_E_DEVICE with what there is. */
+pc_status pc_catalogue_refuse(const pc_catalogue *catalogue, pc_context *ctx, const char *wanted);
+/* Opens `id`, in `context` with a queue for copies, or (NULL) in a context of its own. */
+pc_status pc_device_start(pc_device **device, pc_context *ctx, const pc_device_info *info, cl_device_id id,
+                          cl_context context);
+/* "A,B" and "A/N"; PC_E_DEVICE where `wanted` is neither, or cannot be had. */
+pc_status pc_members_open(pc_device **device, pc_context *ctx, const pc_catalogue *catalogue,
+                          const char *wanted);
 
 /* PC_E_DEVICE (PC_E_NOMEM where memory lacks) with what failed and the error's name. */
 pc_status pc_device_fail(pc_context *ctx, cl_int error, const char *what);

@@ -88,9 +88,49 @@ pc_status pc_launch_wait(pc_context *ctx, pc_device *device) {
     return error == CL_SUCCESS ? PC_OK : pc_device_fail(ctx, error, "waiting for the device");
 }
 
-pc_status pc_buffer_make(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes) {
-    pc_buffer *b = NULL;
+/* Memory of ours under a buffer. */
+typedef struct lent {
+    pc_context *ctx;
+    void *block;
+} lent;
+
+static void CL_CALLBACK take_back(cl_mem handle, void *user) {
+    lent *l = user;
+    (void)handle;
+    pc_free(l->ctx, l->block);
+    pc_free(l->ctx, l);
+}
+
+/* Large buffers of devices that compute in the host's memory lie in memory of ours: on huge pages, and back
+ * at the system when they go. */
+static pc_status lend(pc_buffer *b, pc_context *ctx, bool zeroed) {
+    pc_status status = PC_OK;
+    lent *l = NULL;
+    char *block = NULL;
     cl_int error = CL_SUCCESS;
+    PC_TRY(pc_new(&l, ctx, 1));
+    PC_TRY(zeroed ? pc_new(&block, ctx, b->bytes) : pc_resize(&block, ctx, b->bytes));
+    *l = (lent){ctx, block};
+    b->handle =
+        clCreateBuffer(b->device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, b->bytes, block, &error);
+    if (error == CL_SUCCESS) {
+        error = clSetMemObjectDestructorCallback(b->handle, take_back, l);
+        if (error == CL_SUCCESS) return PC_OK;
+        (void)clReleaseMemObject(b->handle);
+    }
+    status = pc_device_fail(ctx, error, "making a buffer");
+done:
+    pc_free(ctx, block);
+    pc_free(ctx, l);
+    return status;
+}
+
+static pc_status make_buffer(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes,
+                             bool zeroed) {
+    enum { LENT_FROM = 1 << 20 };
+    const cl_uint zero = 0;
+    cl_int error = CL_SUCCESS;
+    pc_buffer *b = NULL;
     *buffer = NULL;
     if (device->host) return pc_fail(ctx, PC_E_BUG, "the host device has no buffers");
     if (bytes > device->allocation_cap)
@@ -99,25 +139,30 @@ pc_status pc_buffer_make(pc_buffer **buffer, pc_context *ctx, pc_device *device,
     pc_status status = pc_new(&b, ctx, 1);
     if (status != PC_OK) return status;
     *b = (pc_buffer){.device = device, .bytes = bytes};
-    b->handle = clCreateBuffer(device->context, CL_MEM_READ_WRITE, bytes ? bytes : 4, NULL, &error);
-    if (error != CL_SUCCESS) {
-        pc_free(ctx, b);
-        return pc_device_fail(ctx, error, "making a buffer");
+    if (device->info.cpu && bytes >= LENT_FROM) {
+        status = lend(b, ctx, zeroed);
+    } else {
+        b->handle = clCreateBuffer(device->context, CL_MEM_READ_WRITE, bytes ? bytes : 4, NULL, &error);
+        if (error == CL_SUCCESS && zeroed && bytes > 0) {
+            error =
+                clEnqueueFillBuffer(device->queue, b->handle, &zero, sizeof zero, 0, bytes, 0, NULL, NULL);
+            if (error != CL_SUCCESS) (void)clReleaseMemObject(b->handle);
+        }
+        if (error != CL_SUCCESS) status = pc_device_fail(ctx, error, "making a buffer");
     }
-    *buffer = b;
-    return PC_OK;
+    if (status == PC_OK)
+        *buffer = b;
+    else
+        pc_free(ctx, b);
+    return status;
+}
+
+pc_status pc_buffer_make(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes) {
+    return make_buffer(buffer, ctx, device, bytes, false);
 }
 
 pc_status pc_buffer_zeroed(pc_buffer **buffer, pc_context *ctx, pc_device *device, size_t bytes) {
-    const cl_uint zero = 0;
-    pc_status status = pc_buffer_make(buffer, ctx, device, (bytes + 3) / 4 * 4);
-    if (status != PC_OK || bytes == 0 || !*buffer) return status;
-    cl_int error = clEnqueueFillBuffer(device->queue, (*buffer)->handle, &zero, sizeof zero, 0,
-                                       (*buffer)->bytes, 0, NULL, NULL);
-    if (error == CL_SUCCESS) return PC_OK;
-    pc_buffer_free(*buffer, ctx);
-    *buffer = NULL;
-    return pc_device_fail(ctx, error, "clearing a buffer");
+    return make_buffer(buffer, ctx, device, (bytes + 3) / 4 * 4, true);
 }
 
 pc_status pc_buffer_from(pc_buffer **buffer, pc_context *ctx, pc_device *device, const void *from,

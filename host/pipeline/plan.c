@@ -14,8 +14,11 @@ double pc_plan_edge(const pc_convert_options *options, double area, double mean_
     if (options->edge_factor > 0) return options->edge_factor * mean_edge;
     /* As if the triangles were equilateral. */
     double triangles = area / (sqrt(0.1875) * mean_edge * mean_edge);
-    double least = options->tolerance > 0 ? PC_SPLINE_LEAST_QUADS : PC_DEFAULT_LEAST_QUADS;
-    return fmin(PC_DEFAULT_EDGE_FACTOR * mean_edge, sqrt(area / fmin(least, triangles / 2)));
+    double least = PC_DEFAULT_LEAST_QUADS;
+    if (options->tolerance > 0) least = PC_SPLINE_LEAST_QUADS;
+    double edge = fmin(PC_DEFAULT_EDGE_FACTOR * mean_edge, sqrt(area / fmin(least, triangles / 2)));
+    /* Half as many: whole cells hold on to the scan with fewer of them. */
+    return options->tolerance > 0 && options->keep_ngons ? sqrt(2) * edge : edge;
 }
 
 pc_status pc_plan_make(pc_convert_plan *plan, pc_run *run) {

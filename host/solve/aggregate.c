@@ -221,6 +221,22 @@ static void list_members(pc_aggregates *g) {
         g->start[g->count] += g->of[i] != PC_NONE;
 }
 
+pc_status pc_aggregates_list(pc_aggregates *aggregates, pc_context *ctx) {
+    pc_status status = PC_OK;
+    if (aggregates->start) return PC_OK;
+    if (!aggregates->member) PC_TRY(pc_new(&aggregates->member, ctx, aggregates->row_count));
+    PC_TRY(pc_new(&aggregates->start, ctx, (size_t)aggregates->count + 1));
+    list_members(aggregates);
+done:
+    return status;
+}
+
+void pc_aggregates_unlist(pc_aggregates *aggregates, pc_context *ctx) {
+    pc_free(ctx, aggregates->start);
+    pc_free(ctx, aggregates->member);
+    aggregates->start = aggregates->member = NULL;
+}
+
 pc_status pc_aggregates_make(pc_aggregates *aggregates, pc_context *ctx, const pc_blockmat *matrix,
                              double threshold) {
     pc_status status = PC_OK;
@@ -237,8 +253,7 @@ pc_status pc_aggregates_make(pc_aggregates *aggregates, pc_context *ctx, const p
     memset(aggregates->via, 0xff, n * sizeof *aggregates->via);
     PC_TRY(find_strong(size, eligible, ctx, matrix, threshold));
     group_rows(aggregates, matrix, size, eligible);
-    PC_TRY(pc_new(&aggregates->start, ctx, (size_t)aggregates->count + 1));
-    list_members(aggregates);
+    PC_TRY(pc_aggregates_list(aggregates, ctx));
 done:
     pc_free(ctx, size);
     pc_free(ctx, eligible);

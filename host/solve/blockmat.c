@@ -24,11 +24,32 @@ done:
     return status;
 }
 
+pc_status pc_blockmat_borrow(pc_blockmat *matrix, pc_context *ctx, const pc_system *system) {
+    const pc_index n = system->row_count;
+    const pc_block_form form = (pc_block_form)system->kind;
+    const size_t diagonals = n * (size_t)pc_form_diagonal(form);
+    pc_status status = PC_OK;
+    *matrix = (pc_blockmat){.form = form, .row_count = n, .column_count = n, .borrowed = true};
+    matrix->start = system->start;
+    matrix->column = system->column;
+    matrix->turn = system->turn;
+    PC_TRY(pc_resize(&matrix->value, ctx, system->start[n] * (size_t)pc_form_size(form)));
+    PC_TRY(pc_resize(&matrix->diagonal, ctx, diagonals));
+    PC_TRY(pc_resize(&matrix->inverse, ctx, diagonals));
+done:
+    if (status != PC_OK) pc_blockmat_free(matrix, ctx);
+    return status;
+}
+
 void pc_blockmat_free_couplings(pc_blockmat *matrix, pc_context *ctx) {
-    pc_free(ctx, matrix->start);
-    pc_free(ctx, matrix->column);
+    if (!matrix->borrowed) {
+        pc_free(ctx, matrix->start);
+        pc_free(ctx, matrix->column);
+        pc_free(ctx, matrix->turn);
+    }
     pc_free(ctx, matrix->value);
-    pc_free(ctx, matrix->turn);
+    matrix->borrowed = false;
+    matrix->exact = matrix->exact_diagonal = NULL;
     matrix->start = matrix->column = NULL;
     matrix->value = NULL;
     matrix->turn = NULL;

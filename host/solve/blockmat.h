@@ -20,9 +20,10 @@ typedef struct pc_blockmat {
     uint8_t *turn;    /* TURNED only */
     float *diagonal;  /* square matrices: apart from the entries, 1 per row, for TURNED one for U and one for
                          V; NULL for transfers */
-    float *inverse;   /* of the diagonal, same shape */
-    const double
-        *exact; /* level 0 while the hierarchy is built: the entries in double, not owned; else NULL */
+    float *inverse;   /* of the diagonal, same shape; NULL where devices have the matrix */
+    bool borrowed;    /* start, column and turn are someone else's */
+    /* The finest level while its system is there: the entries in double, not owned; else NULL. */
+    const double *exact;
     const double *exact_diagonal;
     double exact_scale; /* what both are to be multiplied by */
 } pc_blockmat;
@@ -41,6 +42,8 @@ static inline int pc_form_diagonal(pc_block_form form) {
 /* Arrays for the given counts; `square` adds the diagonals. */
 pc_status pc_blockmat_make(pc_blockmat *matrix, pc_context *ctx, pc_block_form form, pc_index rows,
                            pc_index columns, size_t entries, bool square);
+/* A square matrix with the graph of a system, which is to stay as long as the couplings. */
+pc_status pc_blockmat_borrow(pc_blockmat *matrix, pc_context *ctx, const pc_system *system);
 /* Frees all but the diagonals of a square matrix. */
 void pc_blockmat_free_couplings(pc_blockmat *matrix, pc_context *ctx);
 void pc_blockmat_free(pc_blockmat *matrix, pc_context *ctx);

@@ -1,9 +1,10 @@
 #include "devmat.h"
 #include "eachrow.h"
 #include "memory.h"
+#include <math.h>
 #include <string.h>
 
-enum { WINDOW = 256, PART_STEP = 4096, TURN_SHIFT = 30 };
+enum { WINDOW = 256, PART_STEP = 4096, TURN_SHIFT = 30, NARROW_TURN_SHIFT = 14 };
 /* A part is kept below this whatever the device allows: large single buffers are what drivers get wrong. */
 static const size_t largest_part = (size_t)1 << 30;
 
@@ -47,8 +48,8 @@ typedef struct copying {
     const pc_blockmat *matrix;
     const pc_row_order *rows;
     const pc_row_order *columns;
-    const pc_system *exact;
     pc_index slice_rows;
+    pc_storage storage;
 } copying;
 
 static pc_index row_length(const copying *c, pc_index place) {
@@ -74,43 +75,203 @@ PC_ALWAYS_INLINE size_t value_place(pc_block_form form, pc_index rows, pc_index 
 /* Arrays of one part, where the device is to find them. */
 typedef struct staged {
     pc_index *start;
-    pc_index *column;
-    float *value;
-    double *exact;
+    pc_index *least; /* columns of slices, where they are narrow, else NULL */
+    void *column;
+    void *value;
+    int32_t *rest;
+    uint16_t *last;
+    uint8_t *exponent;
 } staged;
 
-/* Entry k of a row, or padding, into its lane of a slice's entry. */
-PC_ALWAYS_INLINE void stage_entry(pc_block_form form, const copying *c, staged *s, size_t to, pc_index lane,
-                                  size_t e, bool padding) {
-    const pc_blockmat *m = c->matrix;
-    const size_t size = (size_t)pc_form_size(form);
-    const size_t rows = c->slice_rows;
-    pc_index *column = &s->column[to * rows + lane];
-    if (padding) {
-        /* It reads what its row reads anyway. */
-        *column = e > 0 ? c->columns->place[m->column[e - 1]] : 0;
-    } else {
-        *column = c->columns->place[m->column[e]];
-        if (form == PC_FORM_TURNED) *column |= (pc_index)m->turn[e] << TURN_SHIFT;
+static uint32_t bits_of(float f) {
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    return bits;
+}
+
+/* The half nearest to f, |f| <= 1. */
+static float nearest_half(uint16_t *half, float f) {
+    const uint32_t sign = bits_of(f) & 0x80000000U;
+    uint32_t size = bits_of(f) ^ sign;
+    if (size < 0x38800000U) {
+        /* Below 2^-14 halves are multiples of 2^-24, as floats from 1/2 on are. */
+        const float moved = fabsf(f) + 0.5F;
+        *half = (uint16_t)(sign >> 16 | (bits_of(moved) - bits_of(0.5F)));
+        return sign ? 0.5F - moved : moved - 0.5F;
     }
-    for (size_t u = 0; u < size; u++) {
-        size_t at = to * rows * size + value_place(form, (pc_index)rows, lane, u);
-        s->value[at] = padding ? 0 : m->value[size * e + u];
-        if (s->exact) s->exact[at] = padding ? 0 : c->exact->value[size * e + u];
+    size = (size + 0xfff + (size >> 13 & 1)) & ~0x1fffU;
+    *half = (uint16_t)(sign >> 16 | (size - 0x38000000U) >> 13);
+    size |= sign;
+    memcpy(&f, &size, sizeof f);
+    return f;
+}
+
+/* What numbers become is a constant where they are staged, so that loops over them have no branches. */
+typedef struct manner {
+    pc_block_form form;
+    pc_storage storage;
+    bool exact; /* all digits of doubles */
+} manner;
+
+PC_ALWAYS_INLINE void stage_number(manner how, const staged *s, size_t at, double v) {
+    const bool half = how.storage == PC_STORE_HALF;
+    if (how.storage == PC_STORE_DOUBLE) {
+        ((double *)s->value)[at] = v;
+        return;
+    }
+    float near = (float)v;
+    if (half)
+        near = nearest_half((uint16_t *)s->value + at, near);
+    else
+        ((float *)s->value)[at] = near;
+    if (!how.exact) return;
+    const long long units = llrint((v - (double)near) * (half ? 0x1p58 : 0x1p55));
+    s->rest[at] = (int32_t)(half ? units >> 16 : units);
+    if (half) s->last[at] = (uint16_t)(units & 0xffff);
+}
+
+PC_ALWAYS_INLINE double number_of(manner how, const pc_blockmat *m, size_t at) {
+    return how.exact ? m->exact[at] * m->exact_scale : (double)m->value[at];
+}
+
+/* 2^power, |power| < 1023 */
+static double power_of_two(int power) {
+    const uint64_t bits = (uint64_t)(power + 1023) << 52;
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+/* One over the unit of a row's numbers, whose exponent goes to the device: the least power of two above them
+ * all. */
+PC_ALWAYS_INLINE double unit_of_row(manner how, const pc_blockmat *m, uint8_t *exponent, size_t from,
+                                    pc_index entries) {
+    const size_t size = (size_t)pc_form_size(how.form);
+    double largest = 0;
+    uint64_t bits;
+    for (size_t at = size * from; at < size * (from + entries); at++) {
+        const double v = fabs(number_of(how, m, at));
+        largest = v > largest ? v : largest;
+    }
+    memcpy(&bits, &largest, sizeof bits);
+    int power = largest > 0 ? (int)(bits >> 52) - 1022 : 0;
+    power = power < -125 ? -125 : power > 126 ? 126 : power;
+    *exponent = (uint8_t)(power + 127);
+    return how.storage == PC_STORE_DOUBLE ? 1 / m->exact_scale : power_of_two(-power);
+}
+
+/* Entry e of the matrix into its lane of entry `to` of a slice; padding reads what its row reads anyway. */
+PC_ALWAYS_INLINE void stage_entry(manner how, const copying *c, const staged *s, pc_index least, size_t to,
+                                  pc_index lane, size_t e, double unit, bool padding) {
+    const pc_blockmat *m = c->matrix;
+    const size_t size = (size_t)pc_form_size(how.form);
+    const size_t rows = c->slice_rows;
+    const pc_index column = c->columns->place[m->column[e]];
+    const pc_index turn = how.form == PC_FORM_TURNED && !padding ? m->turn[e] : 0;
+    if (s->least)
+        ((uint16_t *)s->column)[to * rows + lane] = (uint16_t)((column - least) | turn << NARROW_TURN_SHIFT);
+    else
+        ((pc_index *)s->column)[to * rows + lane] = column | turn << TURN_SHIFT;
+    for (size_t u = 0; u < size; u++)
+        stage_number(how, s, to * rows * size + value_place(how.form, (pc_index)rows, lane, u),
+                     padding ? 0 : unit * number_of(how, m, size * e + u));
+}
+
+/* Padding of a row without entries. */
+PC_ALWAYS_INLINE void stage_nothing(manner how, const copying *c, const staged *s, size_t to, pc_index lane) {
+    const size_t rows = c->slice_rows;
+    const size_t size = (size_t)pc_form_size(how.form);
+    if (s->least)
+        ((uint16_t *)s->column)[to * rows + lane] = 0;
+    else
+        ((pc_index *)s->column)[to * rows + lane] = 0;
+    for (size_t u = 0; u < size; u++)
+        stage_number(how, s, to * rows * size + value_place(how.form, (pc_index)rows, lane, u), 0);
+}
+
+PC_ALWAYS_INLINE void stage_slice(manner how, const copying *c, const staged *s, pc_index first, pc_index k) {
+    const size_t at = s->start[k];
+    const size_t length = s->start[k + 1] - at;
+    const pc_index least = s->least ? s->least[k] : 0;
+    for (pc_index lane = 0; lane < c->slice_rows; lane++) {
+        const pc_index place = (first + k) * c->slice_rows + lane;
+        const pc_index own = row_length(c, place);
+        const size_t from = own > 0 ? c->matrix->start[c->rows->row[place]] : 0;
+        const double unit =
+            unit_of_row(how, c->matrix, &s->exponent[(size_t)k * c->slice_rows + lane], from, own);
+        for (size_t n = 0; n < own; n++)
+            stage_entry(how, c, s, least, at + n, lane, from + n, unit, false);
+        for (size_t n = own; n < length; n++) {
+            if (own > 0)
+                stage_entry(how, c, s, least, at + n, lane, from + own - 1, 0, true);
+            else
+                stage_nothing(how, c, s, at + n, lane);
+        }
     }
 }
 
-PC_ALWAYS_INLINE void stage_slice(pc_block_form form, const copying *c, staged *s, pc_index slice,
-                                  pc_index at, pc_index length) {
+static void stage_slices(const copying *c, const staged *s, const pc_devmat_part *part) {
+    const pc_storage storage = c->storage;
+    const bool exact = c->matrix->exact != NULL;
+#define HALF_EXACT(form, k)  stage_slice((manner){form, PC_STORE_HALF, true}, c, s, part->first, k)
+#define HALF_ALONE(form, k)  stage_slice((manner){form, PC_STORE_HALF, false}, c, s, part->first, k)
+#define FLOAT_EXACT(form, k) stage_slice((manner){form, PC_STORE_FLOAT, true}, c, s, part->first, k)
+#define FLOAT_ALONE(form, k) stage_slice((manner){form, PC_STORE_FLOAT, false}, c, s, part->first, k)
+#define DOUBLES(form, k)     stage_slice((manner){form, PC_STORE_DOUBLE, true}, c, s, part->first, k)
+    if (storage == PC_STORE_HALF && exact) PC_EACH_ROW(c->matrix->form, part->slices, HALF_EXACT);
+    if (storage == PC_STORE_HALF && !exact) PC_EACH_ROW(c->matrix->form, part->slices, HALF_ALONE);
+    if (storage == PC_STORE_FLOAT && exact) PC_EACH_ROW(c->matrix->form, part->slices, FLOAT_EXACT);
+    if (storage == PC_STORE_FLOAT && !exact) PC_EACH_ROW(c->matrix->form, part->slices, FLOAT_ALONE);
+    if (storage == PC_STORE_DOUBLE && exact) PC_EACH_ROW(c->matrix->form, part->slices, DOUBLES);
+#undef HALF_EXACT
+#undef HALF_ALONE
+#undef FLOAT_EXACT
+#undef FLOAT_ALONE
+#undef DOUBLES
+}
+
+/* The least column of a slice, and how far its columns reach beyond it. */
+static void slice_columns(pc_index *least, pc_index *reach, const copying *c, pc_index slice) {
+    pc_index low = PC_NONE;
+    pc_index high = 0;
     for (pc_index lane = 0; lane < c->slice_rows; lane++) {
-        pc_index place = slice * c->slice_rows + lane;
-        pc_index own = row_length(c, place);
-        size_t from = own > 0 ? c->matrix->start[c->rows->row[place]] : 0;
-        for (pc_index k = 0; k < own; k++)
-            stage_entry(form, c, s, (size_t)at + k, lane, from + k, false);
-        for (pc_index k = own; k < length; k++)
-            stage_entry(form, c, s, (size_t)at + k, lane, own > 0 ? from + own : 0, true);
+        const pc_index place = slice * c->slice_rows + lane;
+        const pc_index own = row_length(c, place);
+        const pc_index *column = own > 0 ? c->matrix->column + c->matrix->start[c->rows->row[place]] : NULL;
+        for (pc_index n = 0; n < own; n++) {
+            const pc_index at = c->columns->place[column[n]];
+            if (at < low) low = at;
+            if (at > high) high = at;
+        }
     }
+    *least = low == PC_NONE ? 0 : low;
+    *reach = low == PC_NONE ? 0 : high - low;
+}
+
+/* Where slices start, and the least columns after that. */
+static pc_status upload_starts(pc_devmat_part *part, pc_context *ctx, pc_device *device, const copying *c,
+                               staged *s) {
+    const pc_index slices = part->slices;
+    pc_status status = PC_OK;
+    pc_index widest = 0;
+    PC_TRY(pc_buffer_make(&part->start, ctx, device, (2 * (size_t)slices + 1) * sizeof *s->start));
+    PC_TRY(pc_buffer_map(&s->start, ctx, part->start));
+    pc_index *least = s->start + slices + 1;
+#pragma omp parallel for schedule(static) reduction(max : widest) if (slices > PC_PARALLEL_ROWS)
+    for (pc_index k = 0; k < slices; k++) {
+        pc_index reach;
+        s->start[k + 1] = slice_length(c, part->first + k);
+        slice_columns(&least[k], &reach, c, part->first + k);
+        if (reach > widest) widest = reach;
+    }
+    s->start[0] = 0;
+    for (pc_index k = 0; k < slices; k++)
+        s->start[k + 1] += s->start[k];
+    part->narrow = c->storage != PC_STORE_DOUBLE &&
+                   widest < (c->matrix->form == PC_FORM_TURNED ? 1U << NARROW_TURN_SHIFT : 1U << 16);
+    if (part->narrow) s->least = least;
+done:
+    return status;
 }
 
 /* Keeps the first failure. */
@@ -122,33 +283,50 @@ static void unmap(pc_status *status, pc_context *ctx, const pc_buffer *buffer, v
 static pc_status upload_part(pc_devmat_part *part, pc_context *ctx, pc_device *device, const copying *c) {
     pc_status status = PC_OK;
     staged s = {0};
-    const size_t numbers = part->entries * c->slice_rows * (size_t)pc_form_size(c->matrix->form);
-    PC_TRY(pc_buffer_make(&part->start, ctx, device, ((size_t)part->slices + 1) * sizeof *s.start));
-    PC_TRY(pc_buffer_make(&part->column, ctx, device, part->entries * c->slice_rows * sizeof *s.column));
-    PC_TRY(pc_buffer_make(&part->value, ctx, device, numbers * sizeof *s.value));
-    if (c->exact) PC_TRY(pc_buffer_make(&part->exact, ctx, device, numbers * sizeof *s.exact));
-    PC_TRY(pc_buffer_map(&s.start, ctx, part->start));
+    const size_t places = part->entries * c->slice_rows;
+    const size_t numbers = places * (size_t)pc_form_size(c->matrix->form);
+    static const size_t size[3] = {4, 2, 8};
+    const bool rest = c->matrix->exact && c->storage != PC_STORE_DOUBLE;
+    PC_TRY(upload_starts(part, ctx, device, c, &s));
+    PC_TRY(pc_buffer_make(&part->column, ctx, device, places * (part->narrow ? 2 : 4)));
+    PC_TRY(pc_buffer_make(&part->value, ctx, device, numbers * size[c->storage]));
+    PC_TRY(pc_buffer_make(&part->exponent, ctx, device, (size_t)part->slices * c->slice_rows));
+    if (rest) PC_TRY(pc_buffer_make(&part->rest, ctx, device, numbers * sizeof *s.rest));
+    if (rest && c->storage == PC_STORE_HALF)
+        PC_TRY(pc_buffer_make(&part->last, ctx, device, numbers * sizeof *s.last));
     PC_TRY(pc_buffer_map(&s.column, ctx, part->column));
     PC_TRY(pc_buffer_map(&s.value, ctx, part->value));
-    if (c->exact) PC_TRY(pc_buffer_map(&s.exact, ctx, part->exact));
-    s.start[0] = 0;
-    for (pc_index k = 0; k < part->slices; k++)
-        s.start[k + 1] = s.start[k] + slice_length(c, part->first + k);
-#define SLICE(form, k) stage_slice(form, c, &s, part->first + (k), s.start[k], s.start[(k) + 1] - s.start[k])
-    PC_EACH_ROW(c->matrix->form, part->slices, SLICE);
-#undef SLICE
+    PC_TRY(pc_buffer_map(&s.exponent, ctx, part->exponent));
+    if (part->rest) PC_TRY(pc_buffer_map(&s.rest, ctx, part->rest));
+    if (part->last) PC_TRY(pc_buffer_map(&s.last, ctx, part->last));
+    stage_slices(c, &s, part);
 done:
     unmap(&status, ctx, part->start, s.start);
     unmap(&status, ctx, part->column, s.column);
     unmap(&status, ctx, part->value, s.value);
-    unmap(&status, ctx, part->exact, s.exact);
+    unmap(&status, ctx, part->exponent, s.exponent);
+    unmap(&status, ctx, part->rest, s.rest);
+    unmap(&status, ctx, part->last, s.last);
     return status;
 }
 
-/* Cuts the slices so that no buffer of a part is over the cap. Counts only where `part` is NULL. */
+/* Do rows of the slices [from, to) have columns that are copies? */
+static bool reads_copies(const copying *c, pc_index from, pc_index to) {
+    if (c->columns->copies == 0) return false;
+    const pc_index end = to * c->slice_rows < c->rows->count ? to * c->slice_rows : c->rows->count;
+    for (pc_index place = from * c->slice_rows; place < end; place++) {
+        const pc_index row = c->rows->row[place];
+        for (pc_index e = c->matrix->start[row]; e < c->matrix->start[row + 1]; e++)
+            if (c->columns->place[c->matrix->column[e]] >= c->columns->count) return true;
+    }
+    return false;
+}
+
+/* Cuts the slices so that no buffer of a part is over the cap, and that parts are late or not. Counts only
+ * where `part` is NULL. */
 static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, size_t cap) {
-    const size_t unit = (c->exact ? sizeof(double) : sizeof(float)) * (size_t)pc_form_size(c->matrix->form);
-    const size_t bytes = c->slice_rows * (unit > sizeof(pc_index) ? unit : sizeof(pc_index));
+    const size_t bytes = c->slice_rows * (size_t)pc_form_size(c->matrix->form) *
+                         (c->storage == PC_STORE_DOUBLE ? sizeof(double) : sizeof(float));
     pc_devmat_part now = {0};
     int count = 0;
     const pc_index wide = PART_STEP / c->slice_rows;
@@ -157,11 +335,13 @@ static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, si
         size_t entries = 0;
         for (pc_index s = step; s < end; s++)
             entries += slice_length(c, s);
-        if (now.slices > 0 && (now.entries + entries) * bytes > cap) {
+        const bool late = reads_copies(c, step, end);
+        if (now.slices > 0 && ((now.entries + entries) * bytes > cap || late != now.late)) {
             if (part) part[count] = now;
             count++;
             now = (pc_devmat_part){.first = step};
         }
+        now.late = late;
         now.slices += end - step;
         now.entries += entries;
     }
@@ -169,53 +349,44 @@ static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, si
     return count + 1;
 }
 
-/* `from` in the order of the device, by way of `space`. */
-static pc_status write_diagonal(const pc_buffer *to, pc_context *ctx, const float *from, float *space,
-                                const pc_row_order *rows, size_t size) {
-#pragma omp parallel for schedule(static)
-    for (pc_index place = 0; place < rows->count; place++)
-        memcpy(space + size * place, from + size * rows->row[place], size * sizeof *from);
-    return pc_buffer_write(to, ctx, 0, space, size * rows->count * sizeof *space);
-}
-
 pc_status pc_devmat_set_diagonals(pc_devmat *out, pc_context *ctx, const pc_blockmat *matrix,
                                   const pc_row_order *rows) {
     pc_status status = PC_OK;
     const size_t size = (size_t)pc_form_diagonal(out->form);
+    const pc_index padded = (pc_index)pc_devmat_padded(out);
     float *space = NULL;
-    PC_TRY(pc_new(&space, ctx, size * rows->count));
-    PC_TRY(write_diagonal(out->diagonal, ctx, matrix->diagonal, space, rows, size));
-    PC_TRY(write_diagonal(out->inverse, ctx, matrix->inverse, space, rows, size));
-done:
-    pc_free(ctx, space);
-    return status;
-}
-
-static pc_status upload_diagonals(pc_devmat *out, pc_context *ctx, pc_device *device, const copying *c) {
-    pc_status status = PC_OK;
-    const size_t bytes = pc_devmat_padded(out) * (size_t)pc_form_diagonal(out->form) * sizeof(float);
-    PC_TRY(pc_buffer_zeroed(&out->diagonal, ctx, device, bytes));
-    PC_TRY(pc_buffer_zeroed(&out->inverse, ctx, device, bytes));
-    PC_TRY(pc_devmat_set_diagonals(out, ctx, c->matrix, c->rows));
+    PC_TRY(pc_buffer_map(&space, ctx, out->diagonal));
+#pragma omp parallel for schedule(static)
+    for (pc_index place = 0; place < padded; place++)
+        for (size_t k = 0; k < size; k++)
+            space[size * place + k] = place < rows->count ? matrix->diagonal[size * rows->row[place] + k] : 1;
+    PC_TRY(pc_buffer_unmap(out->diagonal, ctx, space));
 done:
     return status;
 }
 
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
-                         const pc_row_order *rows, const pc_row_order *columns, const pc_system *exact) {
+                         const pc_row_order *rows, const pc_row_order *columns, pc_storage storage) {
     pc_status status = PC_OK;
-    copying c = {matrix, rows, columns, exact, pc_devmat_slice_rows(device)};
+    copying c = {matrix, rows, columns, pc_devmat_slice_rows(device), storage};
     size_t cap = pc_device_allocation_cap(device);
     if (cap > largest_part) cap = largest_part;
-    *out = (pc_devmat){.form = matrix->form, .row_count = matrix->row_count, .slice_rows = c.slice_rows};
-    out->slice_count = (matrix->row_count + c.slice_rows - 1) / c.slice_rows;
+    *out = (pc_devmat){
+        .form = matrix->form, .storage = storage, .row_count = rows->count, .slice_rows = c.slice_rows};
+    out->slice_count = (rows->count + c.slice_rows - 1) / c.slice_rows;
+    if (storage == PC_STORE_DOUBLE && !matrix->exact)
+        return pc_fail(ctx, PC_E_BUG, "a matrix without doubles was to be stored in doubles");
     int count = cut_parts(NULL, &c, out->slice_count, cap);
     PC_TRY(pc_new(&out->part, ctx, (size_t)count));
     out->part_count = count;
     (void)cut_parts(out->part, &c, out->slice_count, cap);
     for (int p = 0; p < count; p++)
         PC_TRY(upload_part(&out->part[p], ctx, device, &c));
-    if (matrix->diagonal) PC_TRY(upload_diagonals(out, ctx, device, &c));
+    if (matrix->diagonal) {
+        PC_TRY(pc_buffer_make(&out->diagonal, ctx, device,
+                              pc_devmat_padded(out) * (size_t)pc_form_diagonal(out->form) * sizeof(float)));
+        PC_TRY(pc_devmat_set_diagonals(out, ctx, matrix, rows));
+    }
 done:
     if (status != PC_OK) pc_devmat_free(out, ctx);
     return status;
@@ -223,13 +394,13 @@ done:
 
 void pc_devmat_free(pc_devmat *matrix, pc_context *ctx) {
     for (int p = 0; p < matrix->part_count; p++) {
-        pc_buffer_free(matrix->part[p].start, ctx);
-        pc_buffer_free(matrix->part[p].column, ctx);
-        pc_buffer_free(matrix->part[p].value, ctx);
-        pc_buffer_free(matrix->part[p].exact, ctx);
+        const pc_devmat_part *part = &matrix->part[p];
+        pc_buffer *buffers[6] = {part->start, part->column, part->value,
+                                 part->rest,  part->last,   part->exponent};
+        for (int k = 0; k < 6; k++)
+            pc_buffer_free(buffers[k], ctx);
     }
     pc_free(ctx, matrix->part);
     pc_buffer_free(matrix->diagonal, ctx);
-    pc_buffer_free(matrix->inverse, ctx);
     *matrix = (pc_devmat){0};
 }

@@ -12,7 +12,7 @@ typedef struct pc_devsolve pc_devsolve;
  * may be freed afterwards. `multigrid` holds all levels, or the finest alone: then D^-1 preconditions.
  * PC_E_DEVICE on a device without doubles. */
 pc_status pc_devsolve_make(pc_devsolve **solve, pc_context *ctx, pc_device *device, const pc_system *system,
-                           pc_multigrid *multigrid);
+                           pc_multigrid *multigrid, const pc_solver_options *options);
 /* The system's diagonal anew, after pc_multigrid_set_diagonal. */
 pc_status pc_devsolve_set_diagonal(pc_devsolve *solve, pc_context *ctx, const double *diagonal,
                                    const pc_multigrid *multigrid);

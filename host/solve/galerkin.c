@@ -3,17 +3,16 @@
 #include "memory.h"
 #include <omp.h>
 
-/* What a matrix product leaves in a row. */
-typedef enum finish { KEEP, SMOOTH, SPLIT_DIAGONAL } finish;
-
+/* A product that is made row by row: C = (1 - omega D^-1 A) B where `middle` is NULL, else C = A middle B
+ * with its diagonal apart. */
 typedef struct product {
     pc_blockmat *c;
     const pc_blockmat *a;
+    const pc_blockmat *middle;
     const pc_blockmat *b;
-    finish finish;
     double omega;
-    double *diagonal; /* SPLIT_DIAGONAL: what is on it, as many per row as pc_form_diagonal */
-    pc_index *length; /* per row: its entries, but for such a diagonal */
+    double *diagonal; /* what is on it, as many per row as pc_form_diagonal; NULL without `middle` */
+    pc_index *length; /* per row: its entries, but for the diagonal */
 } product;
 
 /* Entries of finished rows, by keys: the column, for TURNED 4 column + turn. */
@@ -34,15 +33,21 @@ typedef struct row {
     pc_index base, count;
 } row;
 
-/* What a thread works with: space for a row, and the rows that are finished. */
+/* What a thread works with: space for a row of the product and for one of A middle, and the rows that are
+ * finished. */
 typedef struct worker {
-    row space;
+    row space, inner;
+    uint64_t *sorted; /* of the row's keys, with their places */
     chunk *head, *last;
     pc_status status;
 } worker;
 
 PC_ALWAYS_INLINE pc_index key_of(pc_block_form form, pc_index column, int turn) {
     return form == PC_FORM_TURNED ? 4 * column + (pc_index)turn : column;
+}
+
+static size_t key_count(pc_block_form form, const pc_blockmat *m) {
+    return m->column_count * (form == PC_FORM_TURNED ? (size_t)4 : 1);
 }
 
 /* The sum that goes by a key. Without branches: they would go either way as if by chance. */
@@ -60,7 +65,8 @@ PC_ALWAYS_INLINE double *sum_at(pc_block_form form, row *r, pc_index key) {
 PC_ALWAYS_INLINE void add_row(pc_block_form form, row *r, const pc_blockmat *b, const pc_blockval *v,
                               pc_index j) {
     const size_t size = (size_t)pc_form_size(form);
-    for (size_t f = b->start[j]; f < b->start[j + 1]; f++) {
+    const size_t end = b->start[j + 1];
+    for (size_t f = b->start[j]; f < end; f++) {
         double value[4];
         for (size_t u = 0; u < size; u++)
             value[u] = (double)b->value[size * f + u];
@@ -79,17 +85,15 @@ PC_ALWAYS_INLINE void load_diagonal(pc_block_form form, pc_blockval *v, const pc
                                       : (double)a->diagonal[per_row * i + k / 2];
 }
 
-PC_ALWAYS_INLINE void row_values(pc_block_form form, row *r, const product *p, pc_index i) {
-    const pc_blockmat *a = p->a;
+/* row += row i of the square matrix a times b */
+PC_ALWAYS_INLINE void add_square_row(pc_block_form form, row *r, const pc_blockmat *a, const pc_blockmat *b,
+                                     pc_index i) {
     pc_blockval v;
-    if (p->finish == SMOOTH && p->b->start[i] == p->b->start[i + 1]) return;
-    if (a->diagonal) {
-        load_diagonal(form, &v, a, i);
-        add_row(form, r, p->b, &v, i);
-    }
+    load_diagonal(form, &v, a, i);
+    add_row(form, r, b, &v, i);
     for (size_t e = a->start[i]; e < a->start[i + 1]; e++) {
         pc_blockval_load(form, &v, a, e);
-        add_row(form, r, p->b, &v, a->column[e]);
+        add_row(form, r, b, &v, a->column[e]);
     }
 }
 
@@ -108,13 +112,11 @@ PC_ALWAYS_INLINE void smooth_row(pc_block_form form, row *r, const product *p, p
 }
 
 /* A chunk for row i, which has `count` entries, and for what follows. */
-static bool next_chunk(worker *w, pc_context *ctx, size_t size, pc_index i, pc_index count, pc_index base) {
-    enum { ROOM = 1 << 15 };
+static bool next_chunk(worker *w, pc_context *ctx, size_t size, pc_index i, pc_index count) {
+    enum { ROOM = 1 << 17 };
     const size_t room = count > ROOM ? count : ROOM;
     char *block = NULL;
-    w->status = base < PC_NONE - room
-                    ? pc_resize(&block, ctx, sizeof(chunk) + room * (size + 1) * sizeof(float))
-                    : pc_fail(ctx, PC_E_MESH, "a multigrid level is beyond 32-bit offsets");
+    w->status = pc_resize(&block, ctx, sizeof(chunk) + room * (size + 1) * sizeof(float));
     if (!block) return false;
     chunk *c = (chunk *)(void *)block;
     *c = (chunk){.first = i, .room = room};
@@ -128,41 +130,109 @@ static bool next_chunk(worker *w, pc_context *ctx, size_t size, pc_index i, pc_i
     return true;
 }
 
-/* Moves the row to the chunk; its sums are zero again. */
-PC_ALWAYS_INLINE void put_row(pc_block_form form, row *r, chunk *c, const product *p, pc_index i) {
+/* The row is empty again. */
+PC_ALWAYS_INLINE void clear_row(pc_block_form form, row *r, size_t keys) {
+    memset(r->sum, 0, (size_t)pc_form_size(form) * r->count * sizeof *r->sum);
+    r->base += r->count;
+    r->count = 0;
+    if (r->base < PC_NONE / 2) return;
+    memset(r->slot, 0, keys * sizeof *r->slot);
+    r->base = 1;
+}
+
+PC_ALWAYS_INLINE void put_entry(pc_block_form form, pc_index *key, float *value, const row *r, pc_index k) {
+    const size_t size = (size_t)pc_form_size(form);
+    *key = r->list[k];
+    for (size_t u = 0; u < size; u++)
+        value[u] = (float)r->sum[size * k + u];
+}
+
+/* Copies the row to the chunk, its diagonal apart. */
+PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, const uint64_t *sorted, chunk *c,
+                              const product *p, pc_index i) {
     const size_t size = (size_t)pc_form_size(form);
     const size_t per_row = (size_t)pc_form_diagonal(form);
-    const pc_index own = p->finish == SPLIT_DIAGONAL ? key_of(form, i, 0) : PC_NONE;
+    const pc_index own = p->middle ? key_of(form, i, 0) : PC_NONE;
     size_t e = c->count;
-    for (pc_index k = 0; k < r->count; k++) {
-        const double *s = r->sum + size * k;
-        c->key[e] = r->list[k];
-        for (size_t u = 0; u < size; u++)
-            c->value[size * e + u] = (float)s[u];
+    for (pc_index n = 0; n < r->count; n++) {
+        const pc_index k = sorted ? (pc_index)sorted[n] : n;
         if (r->list[k] != own) {
+            put_entry(form, c->key + e, c->value + size * e, r, k);
             e++;
             continue;
         }
         for (size_t u = 0; u < per_row; u++)
-            p->diagonal[per_row * i + u] = s[2 * u];
+            p->diagonal[per_row * i + u] = r->sum[size * k + 2 * u];
     }
-    memset(r->sum, 0, size * r->count * sizeof *r->sum);
     p->length[i] = (pc_index)(e - c->count);
     c->count = e;
-    r->base += r->count;
-    r->count = 0;
+}
+
+/* The row's keys in ascending order. */
+static void sort_keys(uint64_t *sorted, const pc_index *list, pc_index count) {
+    static const pc_index gaps[] = {1750, 701, 301, 132, 57, 23, 10, 4, 1};
+    for (pc_index k = 0; k < count; k++)
+        sorted[k] = (uint64_t)list[k] << 32 | k;
+    for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++) {
+        const pc_index gap = gaps[g];
+        for (pc_index k = gap; k < count; k++) {
+            const uint64_t now = sorted[k];
+            pc_index at = k;
+            for (; at >= gap && sorted[at - gap] > now; at -= gap)
+                sorted[at] = sorted[at - gap];
+            sorted[at] = now;
+        }
+    }
+}
+
+/* inner += v * row j of the square matrix a */
+PC_ALWAYS_INLINE void add_inner(pc_block_form form, row *inner, const pc_blockmat *a, const pc_blockval *v,
+                                pc_index j) {
+    pc_blockval factor;
+    load_diagonal(form, &factor, a, j);
+    pc_blockval_add_product(form, sum_at(form, inner, key_of(form, j, v->turn)), v, factor.v);
+    const size_t end = a->start[j + 1];
+    for (size_t e = a->start[j]; e < end; e++) {
+        pc_blockval_load(form, &factor, a, e);
+        double *sum = sum_at(form, inner, key_of(form, a->column[e], (v->turn + factor.turn) & 3));
+        pc_blockval_add_product(form, sum, v, factor.v);
+    }
+}
+
+/* row = row i of A middle B */
+PC_ALWAYS_INLINE void add_coarse_row(pc_block_form form, row *r, row *inner, const product *p, pc_index i) {
+    const size_t size = (size_t)pc_form_size(form);
+    pc_blockval v;
+    for (size_t e = p->a->start[i]; e < p->a->start[i + 1]; e++) {
+        pc_blockval_load(form, &v, p->a, e);
+        add_inner(form, inner, p->middle, &v, p->a->column[e]);
+    }
+    for (pc_index k = 0; k < inner->count; k++) {
+        const pc_index key = inner->list[k];
+        memcpy(v.v, inner->sum + size * k, size * sizeof *v.v);
+        v.turn = form == PC_FORM_TURNED ? (int)(key & 3) : 0;
+        add_row(form, r, p->b, &v, form == PC_FORM_TURNED ? key / 4 : key);
+    }
 }
 
 PC_ALWAYS_INLINE void fill_rows(pc_block_form form, worker *w, pc_context *ctx, const product *p,
                                 pc_index from, pc_index to) {
     row r = w->space;
+    row inner = w->inner;
     for (pc_index i = from; i < to; i++) {
-        row_values(form, &r, p, i);
-        if (p->finish == SMOOTH && r.count > 0) smooth_row(form, &r, p, i);
+        if (p->middle) {
+            add_coarse_row(form, &r, &inner, p, i);
+            clear_row(form, &inner, key_count(form, p->middle));
+            sort_keys(w->sorted, r.list, r.count);
+        } else if (p->b->start[i] < p->b->start[i + 1]) {
+            add_square_row(form, &r, p->a, p->b, i);
+            smooth_row(form, &r, p, i);
+        }
         if ((!w->last || w->last->count + r.count > w->last->room) &&
-            !next_chunk(w, ctx, (size_t)pc_form_size(form), i, r.count, r.base))
+            !next_chunk(w, ctx, (size_t)pc_form_size(form), i, r.count))
             break;
-        put_row(form, &r, w->last, p, i);
+        put_row(form, &r, p->middle ? w->sorted : NULL, w->last, p, i);
+        clear_row(form, &r, key_count(form, p->b));
     }
 }
 
@@ -192,26 +262,49 @@ static size_t longest_row(const pc_blockmat *m) {
     return longest;
 }
 
+/* What no sum of so many rows of b has more entries than. */
+static size_t most_entries(size_t rows, const pc_blockmat *b) {
+    const size_t keys = key_count(b->form, b);
+    const size_t longest = longest_row(b) + 1;
+    return 1 + (rows < keys / longest ? rows * longest : keys);
+}
+
+static pc_status make_row(row *r, pc_context *ctx, size_t room, const pc_blockmat *b) {
+    pc_status status = PC_OK;
+    r->base = 1;
+    PC_TRY(pc_new(&r->slot, ctx, key_count(b->form, b)));
+    PC_TRY(pc_new(&r->list, ctx, room));
+    PC_TRY(pc_new(&r->sum, ctx, room * (size_t)pc_form_size(b->form)));
+done:
+    return status;
+}
+
 static pc_status make_workers(worker *workers, pc_context *ctx, const product *p, int threads) {
-    const size_t keys = p->b->column_count * (p->a->form == PC_FORM_TURNED ? (size_t)4 : 1);
-    const size_t most = (longest_row(p->a) + 1) * longest_row(p->b);
-    const size_t room = 1 + (most < keys ? most : keys);
+    const size_t longest = longest_row(p->a) + 1;
+    const size_t inner = p->middle ? most_entries(longest, p->middle) : longest;
+    const size_t room = most_entries(inner, p->b);
     pc_status status = PC_OK;
     for (int t = 0; t < threads; t++) {
-        workers[t].space.base = 1;
-        PC_TRY(pc_new(&workers[t].space.slot, ctx, keys));
-        PC_TRY(pc_new(&workers[t].space.list, ctx, room));
-        PC_TRY(pc_new(&workers[t].space.sum, ctx, room * (size_t)pc_form_size(p->a->form)));
+        PC_TRY(make_row(&workers[t].space, ctx, room, p->b));
+        if (!p->middle) continue;
+        PC_TRY(make_row(&workers[t].inner, ctx, inner, p->middle));
+        PC_TRY(pc_new(&workers[t].sorted, ctx, room));
     }
 done:
     return status;
 }
 
+static void free_row(row *r, pc_context *ctx) {
+    pc_free(ctx, r->slot);
+    pc_free(ctx, r->list);
+    pc_free(ctx, r->sum);
+}
+
 static void free_workers(worker *workers, pc_context *ctx, int threads) {
     for (int t = 0; workers && t < threads; t++) {
-        pc_free(ctx, workers[t].space.slot);
-        pc_free(ctx, workers[t].space.list);
-        pc_free(ctx, workers[t].space.sum);
+        free_row(&workers[t].space, ctx);
+        free_row(&workers[t].inner, ctx);
+        pc_free(ctx, workers[t].sorted);
         while (workers[t].head) {
             chunk *next = workers[t].head->next;
             pc_free(ctx, workers[t].head);
@@ -236,36 +329,6 @@ static void keep_chunks(pc_blockmat *c, pc_context *ctx, worker *w) {
         pc_free(ctx, from);
     }
 }
-/* Entry e of a chunk, of row i, to its transposed place. */
-PC_ALWAYS_INLINE void turn_entry(pc_block_form form, pc_blockmat *c, const chunk *from, size_t e,
-                                 pc_index i) {
-    const size_t size = (size_t)pc_form_size(form);
-    const pc_index column = form == PC_FORM_TURNED ? from->key[e] / 4 : from->key[e];
-    const size_t to = c->start[column]++;
-    pc_blockval in, out;
-    in.turn = form == PC_FORM_TURNED ? (int)(from->key[e] % 4) : 0;
-    for (size_t k = 0; k < size; k++)
-        in.v[k] = (double)from->value[size * e + k];
-    pc_blockval_transpose(form, &out, &in);
-    c->column[to] = i;
-    if (form == PC_FORM_TURNED) c->turn[to] = (uint8_t)out.turn;
-    for (size_t k = 0; k < size; k++)
-        c->value[size * to + k] = (float)out.v[k];
-}
-
-PC_ALWAYS_INLINE void turn_chunks(pc_block_form form, pc_blockmat *c, pc_context *ctx, const product *p,
-                                  worker *w) {
-    while (w->head) {
-        chunk *from = w->head;
-        pc_index i = from->first;
-        for (size_t e = 0; e < from->count; i++)
-            for (size_t end = e + p->length[i]; e < end; e++)
-                turn_entry(form, c, from, e, i);
-        w->head = from->next;
-        pc_free(ctx, from);
-    }
-}
-
 /* Offsets from the numbers of entries that stand one place further on. */
 static void add_up(pc_index *start, pc_index rows) {
     for (pc_index i = 0; i < rows; i++)
@@ -277,24 +340,6 @@ static void run_back(pc_index *start, pc_index rows) {
     for (pc_index i = rows; i > 0; i--)
         start[i] = start[i - 1];
     start[0] = 0;
-}
-
-/* The transpose of what was found. For a symmetric product it is the product, and has its columns in order.
- */
-static void keep_transposed(pc_context *ctx, const product *p, worker *workers, int threads) {
-    pc_blockmat *c = p->c;
-    const pc_index per_column = c->form == PC_FORM_TURNED ? 4 : 1;
-    for (int t = 0; t < threads; t++)
-        for (const chunk *from = workers[t].head; from; from = from->next)
-            for (size_t e = 0; e < from->count; e++)
-                c->start[from->key[e] / per_column + 1]++;
-    add_up(c->start, c->row_count);
-    for (int t = 0; t < threads; t++) {
-        if (c->form == PC_FORM_SCALAR) turn_chunks(PC_FORM_SCALAR, c, ctx, p, &workers[t]);
-        if (c->form == PC_FORM_COMPLEX) turn_chunks(PC_FORM_COMPLEX, c, ctx, p, &workers[t]);
-        if (c->form == PC_FORM_TURNED) turn_chunks(PC_FORM_TURNED, c, ctx, p, &workers[t]);
-    }
-    run_back(c->start, c->row_count);
 }
 
 static pc_status multiply(product *p, pc_context *ctx) {
@@ -309,17 +354,12 @@ static pc_status multiply(product *p, pc_context *ctx) {
     PC_TRY(fill(workers, ctx, p, threads));
     for (pc_index i = 0; i < n; i++)
         entries += p->length[i];
-    PC_TRY(
-        pc_blockmat_make(p->c, ctx, p->a->form, n, p->b->column_count, entries, p->finish == SPLIT_DIAGONAL));
-    if (p->finish == SPLIT_DIAGONAL) {
-        keep_transposed(ctx, p, workers, threads);
-    } else {
-        memcpy(p->c->start + 1, p->length, n * sizeof *p->length);
-        add_up(p->c->start, n);
+    PC_TRY(pc_blockmat_make(p->c, ctx, p->a->form, n, p->b->column_count, entries, p->middle != NULL));
+    memcpy(p->c->start + 1, p->length, n * sizeof *p->length);
+    add_up(p->c->start, n);
 #pragma omp parallel for schedule(static) num_threads(threads)
-        for (int t = 0; t < threads; t++)
-            keep_chunks(p->c, ctx, &workers[t]);
-    }
+    for (int t = 0; t < threads; t++)
+        keep_chunks(p->c, ctx, &workers[t]);
 done:
     free_workers(workers, ctx, threads);
     pc_free(ctx, p->length);
@@ -328,7 +368,7 @@ done:
 
 pc_status pc_galerkin_smooth(pc_blockmat *prolongator, pc_context *ctx, const pc_blockmat *matrix,
                              const pc_blockmat *tentative, double omega) {
-    product p = {.c = prolongator, .a = matrix, .b = tentative, .finish = SMOOTH, .omega = omega};
+    product p = {.c = prolongator, .a = matrix, .b = tentative, .omega = omega};
     *prolongator = (pc_blockmat){0};
     return multiply(&p, ctx);
 }
@@ -376,6 +416,7 @@ done:
 
 void pc_galerkin_invert_diagonal(pc_blockmat *matrix) {
     const size_t n = matrix->row_count * (size_t)pc_form_diagonal(matrix->form);
+    if (!matrix->inverse) return;
     for (size_t i = 0; i < n; i++)
         matrix->inverse[i] = 1 / matrix->diagonal[i];
 }
@@ -408,19 +449,14 @@ static void put_diagonals(pc_blockmat *c, const double *diagonal, const pc_block
 pc_status pc_galerkin_coarse(pc_blockmat *coarse, pc_context *ctx, const pc_blockmat *restriction,
                              const pc_blockmat *matrix, const pc_blockmat *prolongator) {
     pc_status status = PC_OK;
-    pc_blockmat ap = {0};
     double *diagonal = NULL;
     *coarse = (pc_blockmat){0};
-    product first = {.c = &ap, .a = matrix, .b = prolongator, .finish = KEEP};
-    PC_TRY(multiply(&first, ctx));
     PC_TRY(
         pc_new(&diagonal, ctx, (size_t)restriction->row_count * (size_t)pc_form_diagonal(restriction->form)));
-    product second = {
-        .c = coarse, .a = restriction, .b = &ap, .finish = SPLIT_DIAGONAL, .diagonal = diagonal};
-    PC_TRY(multiply(&second, ctx));
+    product p = {.c = coarse, .a = restriction, .middle = matrix, .b = prolongator, .diagonal = diagonal};
+    PC_TRY(multiply(&p, ctx));
     put_diagonals(coarse, diagonal, restriction, matrix);
 done:
-    pc_blockmat_free(&ap, ctx);
     pc_free(ctx, diagonal);
     if (status != PC_OK) pc_blockmat_free(coarse, ctx);
     return status;

@@ -13,7 +13,7 @@ pc_status pc_galerkin_transpose(pc_blockmat *restriction, pc_context *ctx, const
 /* The coarse matrix R A P with its diagonals and their inverses; diagonals below rounding are raised. */
 pc_status pc_galerkin_coarse(pc_blockmat *coarse, pc_context *ctx, const pc_blockmat *restriction,
                              const pc_blockmat *matrix, const pc_blockmat *prolongator);
-/* Inverse diagonals of a square matrix. */
+/* Inverse diagonals of a square matrix, where it has some. */
 void pc_galerkin_invert_diagonal(pc_blockmat *matrix);
 
 #endif

@@ -166,15 +166,21 @@ static pc_status finest(pc_multigrid *mg, pc_context *ctx, const pc_system *syst
     const size_t entries = system->start[n];
     pc_blockmat *a = &mg->level[0].matrix;
     const pc_block_form form = (pc_block_form)system->kind;
-    pc_status status = pc_blockmat_make(a, ctx, form, n, n, entries, true);
-    if (status != PC_OK) return status;
+    pc_status status = PC_OK;
+    if (n * (size_t)pc_form_width(form) > DIRECT) {
+        PC_TRY(pc_blockmat_borrow(a, ctx, system));
+    } else {
+        /* Its inverse may be asked for when the system is gone. */
+        PC_TRY(pc_blockmat_make(a, ctx, form, n, n, entries, true));
+        memcpy(a->start, system->start, ((size_t)n + 1) * sizeof *a->start);
+        memcpy(a->column, system->column, entries * sizeof *a->column);
+        if (a->turn) memcpy(a->turn, system->turn, entries);
+    }
     double total = 0;
     for (pc_index i = 0; i < n; i++)
         total += system->diagonal[i];
-    mg->scale = n > 0 ? n / total : 1;
-    memcpy(a->start, system->start, ((size_t)n + 1) * sizeof *a->start);
-    memcpy(a->column, system->column, entries * sizeof *a->column);
-    if (a->turn) memcpy(a->turn, system->turn, entries);
+    /* A power of two, so that scaled doubles are exact. */
+    mg->scale = n > 0 ? ldexp(1, -ilogb(total / n)) : 1;
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < entries * (size_t)pc_form_size(form); k++)
         a->value[k] = (float)(mg->scale * system->value[k]);
@@ -185,7 +191,8 @@ static pc_status finest(pc_multigrid *mg, pc_context *ctx, const pc_system *syst
     a->exact_diagonal = system->diagonal;
     a->exact_scale = mg->scale;
     pc_galerkin_invert_diagonal(a);
-    return PC_OK;
+done:
+    return status;
 }
 
 /* The next level from level k; groups are made where there are none. `*last` where coarsening ends here. */
@@ -197,7 +204,9 @@ static pc_status coarsen(pc_multigrid *mg, pc_context *ctx, int k, bool *last) {
     choose_steps(fine);
     *last = k + 1 == PC_MOST_LEVELS || reals(&fine->matrix) <= DIRECT;
     if (*last) goto done;
-    if (!fine->aggregates.of)
+    if (fine->aggregates.of)
+        PC_TRY(pc_aggregates_list(&fine->aggregates, ctx));
+    else
         PC_TRY(pc_aggregates_make(&fine->aggregates, ctx, &fine->matrix, strong * pow(0.5, k)));
     *last = fine->aggregates.count == 0 || fine->aggregates.count > 0.9 * fine->matrix.row_count;
     if (*last) goto done;
@@ -228,7 +237,9 @@ done:
     return status;
 }
 
+/* Nothing has changed the diagonal before. */
 static pc_status keep_first_diagonal(pc_level *level, pc_context *ctx) {
+    if (level->first_diagonal) return PC_OK;
     pc_status status = pc_new(&level->first_diagonal, ctx, level->matrix.row_count);
     for (pc_index i = 0; status == PC_OK && i < level->matrix.row_count; i++)
         level->first_diagonal[i] = (float)pc_blockmat_mean_diagonal(&level->matrix, i);
@@ -250,16 +261,17 @@ static void raise_diagonal(pc_level *level, const double *change) {
 }
 
 pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal,
-                                    const double *first) {
+                                    const float *first) {
     pc_status status = PC_OK;
     double *change = NULL;
     double *coarse = NULL;
     pc_index n = multigrid->level[0].matrix.row_count;
     PC_TRY(pc_new(&change, ctx, n));
     for (pc_index i = 0; i < n; i++)
-        change[i] = multigrid->scale * (diagonal[i] - first[i]);
+        change[i] = multigrid->scale * (diagonal[i] - (double)first[i]);
     for (int k = 0; k < multigrid->level_count; k++) {
         pc_level *level = &multigrid->level[k];
+        PC_TRY(keep_first_diagonal(level, ctx));
         raise_diagonal(level, change);
         if (k + 1 == multigrid->level_count) break;
         PC_TRY(pc_new(&coarse, ctx, level->aggregates.count));
@@ -287,12 +299,9 @@ static pc_status build(pc_multigrid *mg, pc_context *ctx, const pc_system *syste
     }
     PC_TRY(invert_last(mg, ctx));
     for (int k = 0; k < mg->level_count; k++)
-        PC_TRY(keep_first_diagonal(&mg->level[k], ctx));
-    for (int k = 0; k < mg->level_count; k++)
         pc_log(ctx, PC_LOG_DEBUG, "multigrid level %d: %u rows, %u couplings, largest eigenvalue %.3f", k,
                mg->level[k].matrix.row_count, mg->level[k].matrix.start[mg->level[k].matrix.row_count],
                mg->level[k].largest);
-    mg->level[0].matrix.exact = mg->level[0].matrix.exact_diagonal = NULL;
 done:
     if (status != PC_OK) pc_multigrid_free(mg, ctx);
     return status;
@@ -306,7 +315,6 @@ pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_s
 pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {
     *multigrid = (pc_multigrid){.level_count = 1, .finest_only = true};
     pc_status status = finest(multigrid, ctx, system);
-    if (status == PC_OK) status = keep_first_diagonal(&multigrid->level[0], ctx);
     if (status != PC_OK) pc_multigrid_free(multigrid, ctx);
     return status;
 }
@@ -327,11 +335,19 @@ void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx) {
     multigrid->inverse = NULL;
 }
 
+void pc_multigrid_free_transfers(pc_multigrid *multigrid, pc_context *ctx, int level) {
+    pc_blockmat_free(&multigrid->level[level].prolongator, ctx);
+    pc_blockmat_free(&multigrid->level[level].restriction, ctx);
+}
+
 void pc_multigrid_free_couplings(pc_multigrid *multigrid, pc_context *ctx, int level) {
     pc_level *l = &multigrid->level[level];
-    pc_blockmat_free(&l->prolongator, ctx);
-    pc_blockmat_free(&l->restriction, ctx);
-    if (level + 1 < multigrid->level_count) pc_blockmat_free_couplings(&l->matrix, ctx);
+    pc_multigrid_free_transfers(multigrid, ctx, level);
+    pc_aggregates_unlist(&l->aggregates, ctx);
+    pc_free(ctx, l->matrix.inverse);
+    l->matrix.inverse = NULL;
+    l->matrix.exact = l->matrix.exact_diagonal = NULL;
+    if (level + 1 < multigrid->level_count || l->matrix.borrowed) pc_blockmat_free_couplings(&l->matrix, ctx);
 }
 
 pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system) {

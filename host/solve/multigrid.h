@@ -18,7 +18,7 @@ typedef struct pc_level {
     pc_blockmat prolongator; /* to this level from the next; empty on the last */
     pc_blockmat restriction;
     pc_aggregates aggregates;
-    float *first_diagonal; /* of the matrix as built; in the mean for TURNED */
+    float *first_diagonal; /* of the matrix as built, from its first change on; in the mean for TURNED */
     double largest;        /* eigenvalue of D^-1 A, estimated */
     pc_chebyshev chebyshev;
     float *x, *x_other, *d, *b; /* of the host cycle; residuals go to x_other */
@@ -32,7 +32,7 @@ typedef struct pc_multigrid {
     pc_level level[PC_MOST_LEVELS];
 } pc_multigrid;
 
-/* Builds all levels. `system` is read only during the call. */
+/* Builds all levels. The finest one needs `system` until its couplings are freed. */
 pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
 /* The finest level alone, for block-Jacobi on a device. */
 pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
@@ -42,11 +42,13 @@ pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc
  * above. On coarse levels the changes are summed over the groups. Works on a hierarchy without couplings too.
  */
 pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal,
-                                    const double *first);
+                                    const float *first);
 void pc_multigrid_free(pc_multigrid *multigrid, pc_context *ctx);
 /* Frees all but the groups, which an update needs. */
 void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx);
-/* Frees a level's matrix and transfers but not the diagonals; the last level's matrix stays too. */
+void pc_multigrid_free_transfers(pc_multigrid *multigrid, pc_context *ctx, int level);
+/* Frees what a level needs for its own cycle alone: its matrix, but for the diagonal, and its transfers. The
+ * matrix of a last level that has an inverse stays. */
 void pc_multigrid_free_couplings(pc_multigrid *multigrid, pc_context *ctx, int level);
 
 /* The vectors of the host cycle; not needed where a device runs it. */

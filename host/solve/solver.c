@@ -15,7 +15,7 @@ struct pc_solver {
     pc_index row_count;
     pc_index entry_count;
     double setup_seconds;
-    double *first_diagonal; /* of the last make or update */
+    float *first_diagonal;  /* of the last make or update */
     pc_multigrid multigrid; /* on a device only its groups and diagonals are kept here */
     pc_devsolve *devsolve;  /* NULL on the host */
     pc_system system;       /* a copy; host only, as all below */
@@ -56,17 +56,23 @@ static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *sys
     pc_devsolve_free(s->devsolve, ctx);
     s->devsolve = NULL;
     PC_TRY(check_diagonal(ctx, system));
-    memcpy(s->first_diagonal, system->diagonal, s->row_count * sizeof *s->first_diagonal);
-    if (multigrid)
-        PC_TRY(pc_multigrid_update(&s->multigrid, ctx, system));
-    else if (!pc_device_is_host(s->device))
-        PC_TRY(pc_multigrid_make_finest(&s->multigrid, ctx, system));
+    for (pc_index i = 0; i < s->row_count; i++)
+        s->first_diagonal[i] = (float)system->diagonal[i];
     if (pc_device_is_host(s->device)) {
         PC_TRY(copy_system(&s->system, ctx, system));
+        system = &s->system;
+    }
+    if (multigrid) {
+        PC_TRY(pc_multigrid_update(&s->multigrid, ctx, system));
+    } else if (!pc_device_is_host(s->device)) {
+        pc_multigrid_free(&s->multigrid, ctx);
+        PC_TRY(pc_multigrid_make_finest(&s->multigrid, ctx, system));
+    }
+    if (pc_device_is_host(s->device)) {
         if (multigrid) PC_TRY(pc_multigrid_make_vectors(&s->multigrid, ctx));
         s->has_cycle = multigrid;
     } else {
-        PC_TRY(pc_devsolve_make(&s->devsolve, ctx, s->device, system, &s->multigrid));
+        PC_TRY(pc_devsolve_make(&s->devsolve, ctx, s->device, system, &s->multigrid, &s->options));
     }
 done:
     return status;
@@ -113,12 +119,13 @@ pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *
 
 pc_status pc_solver_set_diagonal(pc_solver *solver, pc_context *ctx, const double *diagonal) {
     pc_status status = PC_OK;
-    const double *first = solver->first_diagonal;
+    const double rounding = 1e-7;
+    const float *first = solver->first_diagonal;
     double begin = pc_clock_wall();
     for (pc_index i = 0; i < solver->row_count; i++)
-        if (!(diagonal[i] >= first[i] * (1 - 1e-12)) || !isfinite(diagonal[i]))
-            return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i, first[i],
-                           diagonal[i]);
+        if (!(diagonal[i] >= (double)first[i] * (1 - rounding)) || !isfinite(diagonal[i]))
+            return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i,
+                           (double)first[i], diagonal[i]);
     if (solver->devsolve || solver->has_cycle)
         PC_TRY(pc_multigrid_set_diagonal(&solver->multigrid, ctx, diagonal, first));
     if (solver->devsolve)

@@ -12,9 +12,13 @@ typedef enum pc_preconditioner { PC_PRECONDITION_JACOBI, PC_PRECONDITION_MULTIGR
 typedef struct pc_solver_options {
     pc_preconditioner preconditioner;
     pc_index max_iterations;
+    pc_index spread_rows; /* levels with as many rows per member are spread over the members of a device; 0:
+                             as many as are worth it */
+    bool half; /* on devices: the hierarchy's numbers in 16 bits, else in 32: less memory, more work
+                  for processors; about the same iterations */
 } pc_solver_options;
 #define PC_SOLVER_DEFAULTS                                                                                   \
-    { PC_PRECONDITION_MULTIGRID, 500 }
+    { PC_PRECONDITION_MULTIGRID, 500, 0, false }
 
 typedef struct pc_solver_stats {
     pc_index iterations;
@@ -23,7 +27,8 @@ typedef struct pc_solver_stats {
     double solve_seconds;
 } pc_solver_stats;
 
-/* Copies what it needs of `system`. The device must outlive the solver. */
+/* Copies what it needs of `system`. The device must outlive the solver. The members of a device compute
+ * together, with the same bytes as one. */
 pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device, const pc_system *system,
                          const pc_solver_options *options);
 /* New values on the same graph. */

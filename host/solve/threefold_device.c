@@ -67,7 +67,7 @@ pc_status pc_threefold_device_make(pc_threefold_device **solver, pc_context *ctx
     PC_TRY(pc_multigrid_make_finest(&finest, ctx, system));
     const pc_blockmat *matrix = &finest.level[0].matrix;
     PC_TRY(pc_row_order_make(&s->order, ctx, matrix));
-    PC_TRY(pc_devmat_make(&s->matrix, ctx, device, matrix, &s->order, &s->order, system));
+    PC_TRY(pc_devmat_make(&s->matrix, ctx, device, matrix, &s->order, &s->order, PC_STORE_DOUBLE));
     s->rows = pc_devmat_padded(&s->matrix);
     PC_TRY(make_vectors(s, ctx, system));
     *solver = s;
@@ -108,7 +108,7 @@ static pc_status multiply(pc_threefold_device *s, pc_context *ctx, const pc_buff
             s->chunks ? (part->slices + CHUNK_SLICES - 1) / CHUNK_SLICES : (rows + GROUP - 1) / GROUP * GROUP;
         const double bytes = (double)part->entries * (double)m->slice_rows * 12 + (double)rows * 9 * 8;
         PC_TRY(pc_kernel_run(ctx, s->product, items, s->chunks ? 1 : GROUP, bytes,
-                             PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->exact),
+                             PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value),
                                      PC_BUF(s->diagonal), PC_BUF(p), PC_BUF(s->q), PC_BUF(s->partial),
                                      PC_U32(part->first), PC_U32(part->slices))));
     }

@@ -2,6 +2,7 @@
 #include "memory.h"
 #include "suitable.h"
 #include "tsplit.h"
+#include <math.h>
 #include <string.h>
 
 /* A cut that is due. The face may have been cut since: then it is looked for again in the next round. */
@@ -219,6 +220,25 @@ done:
     return status;
 }
 
+/* All that is due, and what that makes due. */
+static pc_status close_mesh(closing *c, pc_context *ctx) {
+    pc_status status = PC_OK;
+    do {
+        PC_TRY(carry_out(c, ctx));
+        PC_TRY(pc_check_interrupt(ctx));
+        PC_TRY(inspect(c, ctx));
+        c->stats->rounds++;
+    } while (c->count + c->star_count > 0);
+done:
+    return status;
+}
+
+static void drop_closing(closing *c, pc_context *ctx) {
+    pc_free(ctx, c->due);
+    pc_free(ctx, c->star);
+    pc_free(ctx, c->touched);
+}
+
 pc_status pc_closure_refine(pc_tmesh *mesh, pc_closure_stats *stats, pc_context *ctx, const uint8_t *wish) {
     pc_status status = PC_OK;
     closing c = {.mesh = mesh, .stats = stats};
@@ -238,16 +258,62 @@ pc_status pc_closure_refine(pc_tmesh *mesh, pc_closure_stats *stats, pc_context 
         else
             PC_TRY(pc_tsplit_face(mesh, ctx, f, wish[f] == PC_HALVE_T, half[wish[f] == PC_HALVE_T]));
     }
-    do {
-        PC_TRY(carry_out(&c, ctx));
-        PC_TRY(pc_check_interrupt(ctx));
-        PC_TRY(inspect(&c, ctx));
-        stats->rounds++;
-    } while (c.count + c.star_count > 0);
+    PC_TRY(close_mesh(&c, ctx));
 done:
-    pc_free(ctx, c.due);
-    pc_free(ctx, c.star);
-    pc_free(ctx, c.touched);
+    drop_closing(&c, ctx);
+    return status;
+}
+
+/* Cuts the face of h, which leaves an extraordinary vertex, down to `size` from there, both ways. */
+static pc_status trim_corner(closing *c, pc_context *ctx, pc_index h, double size) {
+    pc_status status = PC_OK;
+    pc_tmesh *mesh = c->mesh;
+    for (int d = 0; d < 2; d++) {
+        const pc_tface *face = mesh->face + mesh->half[h].face;
+        const int corner = mesh->half[h].side; /* the number of the face's corner at the vertex */
+        const bool high = d == 0 ? corner == 1 || corner == 2 : corner >= 2;
+        if (!(face->size[d] > size)) continue;
+        PC_TRY(pc_tsplit_face(mesh, ctx, mesh->half[h].face, d, high ? face->size[d] - size : size));
+        c->stats->cuts++;
+    }
+done:
+    return status;
+}
+
+/* Squares of the shortest interval around every extraordinary vertex: others are cut. */
+static pc_status even_stars(closing *c, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_tmesh *mesh = c->mesh;
+    pc_index before;
+    do {
+        before = mesh->face_count;
+        for (pc_index v = 0; v < mesh->vertex_count; v++) {
+            double least = INFINITY;
+            pc_index first = mesh->vertex[v].out, h = first;
+            if (!mesh->vertex[v].extraordinary) continue;
+            do {
+                least = fmin(least, mesh->half[h].interval);
+                h = pc_thalf_ccw(mesh, h);
+            } while (h != first);
+            do {
+                PC_TRY(trim_corner(c, ctx, h, least));
+                h = pc_thalf_ccw(mesh, h);
+            } while (h != first);
+        }
+    } while (mesh->face_count != before);
+done:
+    return status;
+}
+
+pc_status pc_closure_settle(pc_tmesh *mesh, pc_closure_stats *stats, pc_context *ctx) {
+    pc_status status = PC_OK;
+    closing c = {.mesh = mesh, .stats = stats};
+    *stats = (pc_closure_stats){0};
+    pc_tsplit_start(mesh);
+    PC_TRY(even_stars(&c, ctx));
+    PC_TRY(close_mesh(&c, ctx));
+done:
+    drop_closing(&c, ctx);
     return status;
 }
 
@@ -265,8 +331,7 @@ pc_status pc_closure_check(const pc_tmesh *mesh, pc_context *ctx) {
         PC_TRY(pc_fail(ctx, PC_E_BUG, "face %u of the T-mesh needs a cut: not analysis-suitable",
                        c.due[0].face));
 done:
-    pc_free(ctx, c.due);
-    pc_free(ctx, c.star);
+    drop_closing(&c, ctx);
     pc_tmesh_free(&copy, ctx);
     return status;
 }

@@ -24,6 +24,9 @@ typedef struct pc_closure_stats {
  * - lines that reach a border go on through the ghost beyond it.
  * Faces keep their root and their place in it. PC_E_NOMEM. */
 pc_status pc_closure_refine(pc_tmesh *mesh, pc_closure_stats *stats, pc_context *ctx, const uint8_t *wish);
+/* Makes a new mesh one of these: where the intervals around an extraordinary vertex differ the faces there
+ * are cut down to squares of the shortest, and then as above. PC_E_NOMEM. */
+pc_status pc_closure_settle(pc_tmesh *mesh, pc_closure_stats *stats, pc_context *ctx);
 /* That all of this holds, whoever made the mesh. PC_E_BUG else. */
 pc_status pc_closure_check(const pc_tmesh *mesh, pc_context *ctx);
 

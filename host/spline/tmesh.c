@@ -87,6 +87,7 @@ typedef struct draft {
     pc_tmesh *mesh;
     pc_index *source;
     const pc_polymesh *quads;
+    const double *interval; /* per corner; NULL: all 1 */
     pc_polygraph graph;
     /* Per half-edge on a border: */
     pc_index *outer[2]; /* the vertices beyond its tail and its head */
@@ -94,16 +95,24 @@ typedef struct draft {
     pc_index *corner;   /* the same of the ghost face beyond its tail, PC_NONE where there is none */
 } draft;
 
+static bool is_flat(const draft *d, pc_index corner) {
+    return d->quads->corner_flat && d->quads->corner_flat[corner];
+}
+
 static pc_status refuse_others(const draft *d, pc_context *ctx) {
     const pc_polymesh *q = d->quads;
-    for (pc_index f = 0; f < q->face_count; f++)
-        if (q->start[f + 1] - q->start[f] != 4)
-            return pc_fail(ctx, PC_E_MESH, "face %u has %u corners; a spline needs quads only", f,
-                           q->start[f + 1] - q->start[f]);
-    for (pc_index c = 0; c < d->graph.corner_count; c++)
-        if (d->graph.twin[c] == PC_NONE && !d->graph.boundary[c])
-            return pc_fail(ctx, PC_E_MESH,
-                           "the edge at corner %u of face %u is shared by more than two faces", c % 4, c / 4);
+    for (pc_index f = 0; f < q->face_count; f++) {
+        pc_index corners = 0;
+        for (pc_index c = q->start[f]; c < q->start[f + 1]; c++) {
+            corners += !is_flat(d, c);
+            if (d->graph.twin[c] == PC_NONE && !d->graph.boundary[c])
+                return pc_fail(ctx, PC_E_MESH,
+                               "the edge at corner %u of face %u is shared by more than two faces",
+                               c - q->start[f], f);
+        }
+        if (corners != 4)
+            return pc_fail(ctx, PC_E_MESH, "face %u has %u corners; a spline needs quads only", f, corners);
+    }
     return PC_OK;
 }
 
@@ -114,18 +123,19 @@ static pc_index new_vertex(draft *d, pc_index source) {
     return v;
 }
 
-static pc_index new_face(draft *d, const pc_index corner[4], bool ghost) {
+/* A ghost, `width` along its side 0. */
+static pc_index new_ghost(draft *d, const pc_index corner[4], double width) {
     pc_tmesh *mesh = d->mesh;
     pc_index f = mesh->face_count++, h = mesh->half_count;
     mesh->half_count += 4;
-    mesh->face[f] = (pc_tface){.first = h, .size = {1, 1}, .root = f, .ghost = ghost};
+    mesh->face[f] = (pc_tface){.first = h, .size = {width, 1}, .root = f, .ghost = true};
     for (pc_index k = 0; k < 4; k++)
         mesh->half[h + k] = (pc_thalf){.tail = corner[k],
                                        .next = h + (k + 1) % 4,
                                        .prev = h + (k + 3) % 4,
                                        .twin = PC_NONE,
                                        .face = f,
-                                       .interval = 1,
+                                       .interval = k & 1 ? 1 : width,
                                        .side = (uint8_t)k};
     return f;
 }
@@ -135,14 +145,29 @@ static inline void pair(pc_tmesh *mesh, pc_index g, pc_index h) {
     mesh->half[h].twin = g;
 }
 
-/* The faces of the surface: half-edge 4f+k is corner 4f+k of the quads. A vertex per fan. */
+static void lay_face(draft *d, pc_index f) {
+    pc_tmesh *mesh = d->mesh;
+    pc_index from = d->quads->start[f], to = d->quads->start[f + 1], first = from;
+    while (is_flat(d, first))
+        first++;
+    mesh->face[f] = (pc_tface){.first = first, .root = f};
+    for (pc_index c = from; c < to; c++)
+        mesh->half[c] = (pc_thalf){.tail = PC_NONE,
+                                   .next = c + 1 < to ? c + 1 : from,
+                                   .prev = c > from ? c - 1 : to - 1,
+                                   .twin = d->graph.twin[c],
+                                   .interval = d->interval ? d->interval[c] : 1,
+                                   .along = is_flat(d, c)}; /* more than 0: measured next */
+    pc_tmesh_measure(mesh, f);
+}
+
+/* The faces of the surface: half-edge c is that of corner c of the quads. A vertex per fan. */
 static void lay_faces(draft *d) {
     pc_tmesh *mesh = d->mesh;
-    const pc_index none[4] = {PC_NONE, PC_NONE, PC_NONE, PC_NONE};
-    for (pc_index f = 0; f < d->quads->face_count; f++)
-        new_face(d, none, false);
-    for (pc_index c = 0; c < d->graph.corner_count; c++)
-        mesh->half[c].twin = d->graph.twin[c];
+    mesh->face_count = d->quads->face_count;
+    mesh->half_count = d->graph.corner_count;
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        lay_face(d, f);
     for (pc_index c = 0; c < d->graph.corner_count; c++) {
         if (mesh->half[c].tail != PC_NONE) continue;
         pc_index v = new_vertex(d, d->quads->corner[c]), h = c;
@@ -175,7 +200,7 @@ static void lay_corner(draft *d, pc_index h, pc_index n) {
     if (d->mesh->half[h].next == n) {
         b = new_vertex(d, PC_NONE);
         d->corner[n] = d->mesh->half_count;
-        new_face(d, (const pc_index[4]){v, a, new_vertex(d, PC_NONE), b}, true);
+        new_ghost(d, (const pc_index[4]){v, a, new_vertex(d, PC_NONE), b}, 1);
     }
     d->outer[1][h] = a;
     d->outer[0][n] = b;
@@ -189,10 +214,10 @@ static void lay_ghosts(draft *d) {
     for (pc_index h = 0; h < corners; h++) {
         if (!d->graph.boundary[h]) continue;
         d->ghost[h] = mesh->half_count;
-        new_face(d,
-                 (const pc_index[4]){mesh->half[mesh->half[h].next].tail, mesh->half[h].tail, d->outer[0][h],
-                                     d->outer[1][h]},
-                 true);
+        new_ghost(d,
+                  (const pc_index[4]){mesh->half[mesh->half[h].next].tail, mesh->half[h].tail, d->outer[0][h],
+                                      d->outer[1][h]},
+                  mesh->half[h].interval);
     }
     for (pc_index h = 0; h < corners; h++) { /* each with the next along the border */
         if (!d->graph.boundary[h]) continue;
@@ -235,10 +260,11 @@ static void lay_rim(draft *d) {
 
 static pc_status mark_extraordinary(pc_tmesh *mesh, pc_context *ctx, const draft *d, uint8_t depth) {
     for (pc_index v = 0; v < mesh->vertex_count; v++) {
-        pc_index valence = 0, first = mesh->vertex[v].out, h = first;
+        pc_index valence = 0, quarters = 0, first = mesh->vertex[v].out, h = first;
         bool rim = mesh->half[mesh->half[first].twin].face == PC_NONE;
         do {
             valence++;
+            quarters += pc_thalf_turns(mesh, h) ? 1 : 2;
             h = pc_thalf_ccw(mesh, h);
         } while (h != first);
         if (!rim && valence < 3)
@@ -247,16 +273,16 @@ static pc_status mark_extraordinary(pc_tmesh *mesh, pc_context *ctx, const draft
         if (valence > PC_TMESH_VALENCE)
             return pc_fail(ctx, PC_E_MESH, "vertex %u is in %u quads; at most %d are supported", d->source[v],
                            valence, PC_TMESH_VALENCE);
-        mesh->vertex[v].extraordinary = !rim && valence != 4;
+        mesh->vertex[v].extraordinary = !rim && quarters != 4;
         mesh->vertex[v].depth = mesh->vertex[v].extraordinary ? depth : 0;
     }
     return PC_OK;
 }
 
 pc_status pc_tmesh_make(pc_tmesh *mesh, pc_index **source, pc_context *ctx, const pc_polymesh *quads,
-                        const pc_tmesh_options *options) {
+                        const double *interval, const pc_tmesh_options *options) {
     pc_status status = PC_OK;
-    draft d = {.mesh = mesh, .quads = quads};
+    draft d = {.mesh = mesh, .quads = quads, .interval = interval};
     size_t corners = quads->start[quads->face_count], border = 0;
     *mesh = (pc_tmesh){0};
     PC_TRY(pc_polygraph_of_polymesh(&d.graph, ctx, quads));

@@ -48,13 +48,15 @@ typedef struct pc_tmesh_options {
 #define PC_TMESH_DEFAULTS                                                                                    \
     { 3 }
 
-/* All intervals are 1. `source` (may be NULL; the caller frees it) gets the vertex of `quads` that each
- * vertex stands for, PC_NONE for those of ghosts; a vertex where several fans of faces meet becomes one per
- * fan. PC_E_MESH where a face has not four corners, an edge is not between two faces that run along it in
- * opposite directions, or a vertex has fewer than three faces around or more than PC_TMESH_VALENCE, with the
- * ids. */
+/* Corners of `quads` that are flat become T-junctions. `interval` (one per corner, NULL: all 1): of the edge
+ * that leaves it, the same from both sides; ghosts are 1 deep. What pc_tmesh_check asks of intervals is left
+ * to those who give them and to pc_closure_settle. `source` (may be NULL; the caller frees it) gets the
+ * vertex of `quads` that each vertex stands for, PC_NONE for those of ghosts; a vertex where several fans of
+ * faces meet becomes one per fan. PC_E_MESH where a face has not four corners that turn, an edge is not
+ * between two faces that run along it in opposite directions, or a vertex has fewer than three faces around
+ * or more than PC_TMESH_VALENCE, with the ids. */
 pc_status pc_tmesh_make(pc_tmesh *mesh, pc_index **source, pc_context *ctx, const pc_polymesh *quads,
-                        const pc_tmesh_options *options);
+                        const double *interval, const pc_tmesh_options *options);
 pc_status pc_tmesh_copy(pc_tmesh *copy, pc_context *ctx, const pc_tmesh *mesh);
 void pc_tmesh_free(pc_tmesh *mesh, pc_context *ctx);
 /* Links, equal sums of intervals on opposite sides, T-junctions that turn no face inside out, equal intervals

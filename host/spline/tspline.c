@@ -1,7 +1,9 @@
 #include "tspline.h"
+#include "closure.h"
 #include "cubic.h"
 #include "memory.h"
 #include "ray.h"
+#include "tlayout.h"
 #include <string.h>
 
 /* Where the surface would go on: the inner neighbours of a border vertex, mirrored at it. */
@@ -41,21 +43,85 @@ static void place_ghosts(pc_tspline *spline, const pc_index *source) {
         }
 }
 
-pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh *quads,
-                          const pc_tmesh_options *options) {
+/* The point `along` from the start of a side of face f, on the straight edges between its vertices. */
+static pc_vec3 on_side(const pc_tmesh *mesh, const double *position, pc_index f, int side, double along) {
+    pc_index h = mesh->face[f].first;
+    while (mesh->half[h].side != side || mesh->half[h].along + mesh->half[h].interval < along)
+        h = mesh->half[h].next;
+    const pc_thalf *e = mesh->half + h;
+    pc_vec3 p = pc_vec3_at(position, e->tail), q = pc_vec3_at(position, mesh->half[e->next].tail);
+    return pc_madd(p, (along - e->along) / e->interval, pc_sub(q, p));
+}
+
+/* Coons: between the sides of the face. */
+static pc_vec3 inside_face(const pc_tmesh *mesh, const double *position, pc_index f, const double at[2]) {
+    const double *size = mesh->face[f].size;
+    const double u = at[0] / size[0], v = at[1] / size[1];
+    const double length[4] = {at[0], at[1], size[0] - at[0], size[1] - at[1]};
+    const double share[4] = {1 - v, u, v, 1 - u},
+                 corner[4] = {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
+    pc_vec3 p = {0, 0, 0};
+    for (int k = 0; k < 4; k++) {
+        p = pc_madd(p, share[k], on_side(mesh, position, f, k, length[k]));
+        p = pc_madd(p, -corner[k], on_side(mesh, position, f, k, 0));
+    }
+    return p;
+}
+
+/* Cuts what the basis asks for; new vertices lie where the faces were. */
+static pc_status settle(pc_tspline *spline, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_tmesh raw = {0}, *mesh = &spline->mesh;
+    pc_closure_stats stats;
+    PC_TRY(pc_tmesh_copy(&raw, ctx, mesh));
+    PC_TRY(pc_closure_settle(mesh, &stats, ctx));
+    PC_TRY(pc_resize(&spline->position, ctx, 3 * (size_t)mesh->vertex_count));
+    for (pc_index v = raw.vertex_count; v < mesh->vertex_count; v++) {
+        double at[2];
+        const pc_tface *face = mesh->face + mesh->half[mesh->vertex[v].out].face;
+        pc_thalf_place(at, mesh, mesh->vertex[v].out);
+        for (int k = 0; k < 2; k++)
+            at[k] += face->origin[k];
+        pc_vec3_put(spline->position, v, inside_face(&raw, spline->position, face->root, at));
+    }
+    pc_log(ctx, PC_LOG_DEBUG, "spline: %u vertices, %u after %u cuts that the basis asks for, %u T-junctions",
+           raw.vertex_count, mesh->vertex_count, stats.cuts, stats.junctions);
+done:
+    pc_tmesh_free(&raw, ctx);
+    return status;
+}
+
+static pc_status make_plain(pc_tspline *spline, pc_context *ctx, const pc_polymesh *quads,
+                            const double *interval, const pc_tmesh_options *options) {
     pc_status status = PC_OK;
     pc_index *source = NULL;
-    *spline = (pc_tspline){0};
-    PC_TRY(pc_tmesh_make(&spline->mesh, &source, ctx, quads, options));
+    PC_TRY(pc_tmesh_make(&spline->mesh, &source, ctx, quads, interval, options));
     PC_TRY(pc_new(&spline->position, ctx, 3 * (size_t)spline->mesh.vertex_count));
     for (pc_index v = 0; v < spline->mesh.vertex_count; v++)
         if (source[v] != PC_NONE)
             memcpy(spline->position + 3 * (size_t)v, quads->position + 3 * (size_t)source[v],
                    3 * sizeof(double));
     place_ghosts(spline, source);
-    PC_TRY(pc_tspline_complete(spline, ctx));
 done:
     pc_free(ctx, source);
+    return status;
+}
+
+pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh *polygons,
+                          const pc_tmesh_options *options) {
+    pc_status status = PC_OK;
+    pc_tlayout layout = {0};
+    *spline = (pc_tspline){0};
+    if (pc_tlayout_is_plain(polygons)) {
+        PC_TRY(make_plain(spline, ctx, polygons, NULL, options));
+    } else {
+        PC_TRY(pc_tlayout_make(&layout, ctx, polygons));
+        PC_TRY(make_plain(spline, ctx, &layout.faces, layout.interval, options));
+        PC_TRY(settle(spline, ctx));
+    }
+    PC_TRY(pc_tspline_complete(spline, ctx));
+done:
+    pc_tlayout_free(&layout, ctx);
     if (status != PC_OK) pc_tspline_free(spline, ctx);
     return status;
 }

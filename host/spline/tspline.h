@@ -23,8 +23,10 @@ typedef struct pc_surface_point {
     pc_vec3 p, s, t, ss, st, tt;
 } pc_surface_point;
 
-/* The control points are the vertices of the quads; those of ghosts lie opposite the quads' inner ones. */
-pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh *quads,
+/* The control points are the vertices of the quads; those of ghosts lie opposite the quads' inner ones. Other
+ * polygons and T-junctions are made fit as pc_tlayout_make and pc_closure_settle do; vertices that this adds
+ * lie where the polygons were. PC_E_MESH as pc_tmesh_make. */
+pc_status pc_tspline_make(pc_tspline *spline, pc_context *ctx, const pc_polymesh *polygons,
                           const pc_tmesh_options *options);
 /* Basis and Bezier points, where mesh and control points are there already. PC_E_NOMEM, PC_E_BUG as
  * pc_basis_make. */

@@ -4,24 +4,12 @@
 #include "insertion.h"
 #include "memory.h"
 #include "random.h"
+#include "shape_testing.h"
 #include "synth_quads.h"
 #include "systems.h"
 #include "testing.h"
 #include "threefold.h"
 #include <math.h>
-
-static const pc_shape shapes[2] = {PC_SHAPE_CHUNK, PC_SHAPE_ROW};
-
-/* The default device in a shape; NULL where the machine has none. */
-static pc_device *open_device(pc_context *ctx, pc_shape shape) {
-    pc_device *device = NULL;
-    if (pc_device_open(&device, ctx, NULL) != PC_OK) {
-        pc_context_clear_message(ctx);
-        return NULL;
-    }
-    pc_device_set_shape(device, shape);
-    return device;
-}
 
 typedef struct scene {
     pc_tspline spline;

@@ -4,23 +4,11 @@ Usage: check_surface.py WITH_DISTANCE.hdf WITHOUT.hdf ELEMENTS. Exit status 77 w
 """
 import sys
 
-try:
-    import numpy as np
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkFiltersCore import vtkFeatureEdges
-    from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
-    from vtkmodules.vtkIOHDF import vtkHDFReader
-except ImportError as missing:
-    print(missing)
-    sys.exit(77)
+from vtk_grid import array, points_of, read  # first: it ends the script where VTK is not installed
 
-
-def read(path):
-    reader = vtkHDFReader()
-    assert reader.CanReadFile(path), path
-    reader.SetFileName(path)
-    reader.Update()
-    return reader.GetOutput()
+import numpy as np
+from vtkmodules.vtkFiltersCore import vtkFeatureEdges
+from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 
 
 def border_edges(grid):
@@ -38,14 +26,14 @@ def border_edges(grid):
 
 with_distance, without = read(sys.argv[1]), read(sys.argv[2])
 assert border_edges(with_distance) == 0
-points = vtk_to_numpy(with_distance.GetPoints().GetData())
-normal = vtk_to_numpy(with_distance.GetPointData().GetArray("normal"))
-distance = vtk_to_numpy(with_distance.GetPointData().GetArray("distance"))
+points = points_of(with_distance)
+normal = array(with_distance.GetPointData(), "normal")
+distance = array(with_distance.GetPointData(), "distance")
 assert np.allclose(np.linalg.norm(points, axis=1), distance, rtol=1e-14)
 assert np.allclose(np.linalg.norm(normal, axis=1), 1)
 assert (np.einsum("ij,ij->i", normal, points) > 0).all()  # outward on the sphere
-element = vtk_to_numpy(with_distance.GetCellData().GetArray("element"))
-face = vtk_to_numpy(with_distance.GetCellData().GetArray("face"))
+element = array(with_distance.GetCellData(), "element")
+face = array(with_distance.GetCellData(), "face")
 assert np.array_equal(np.unique(element), np.arange(int(sys.argv[3])))
 assert len(np.unique(np.stack([element, face]), axis=1).T) == len(np.unique(element))
 assert without.GetPointData().GetArray("distance") is None

@@ -4,36 +4,16 @@ Usage: check_vtk.py SCAN.hdf POLYGONS.hdf LAYOUT.hdf. Exit status 77 where VTK i
 """
 import sys
 
-try:
-    import numpy as np
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOHDF import vtkHDFReader
-except ImportError as missing:
-    print(missing)
-    sys.exit(77)
+from vtk_grid import array, points_of, read  # first: it ends the script where VTK is not installed
 
-
-def read(path):
-    reader = vtkHDFReader()
-    assert reader.CanReadFile(path), path
-    reader.SetFileName(path)
-    reader.Update()
-    grid = reader.GetOutput()
-    assert grid.GetClassName() == "vtkUnstructuredGrid", grid.GetClassName()
-    return grid
-
-
-def array(data, name):
-    found = data.GetArray(name)
-    assert found is not None, name
-    return vtk_to_numpy(found)
+import numpy as np
 
 
 def check_scan(path):
     grid = read(path)
     n, m = grid.GetNumberOfPoints(), grid.GetNumberOfCells()
     assert (n, m) == (200, 400), (n, m)
-    points = vtk_to_numpy(grid.GetPoints().GetData())
+    points = points_of(grid)
     assert points.dtype == np.float64 and points.shape == (n, 3)
     assert np.allclose((np.hypot(points[:, 0], points[:, 1]) - 2) ** 2 + points[:, 2] ** 2, 1)  # a torus
     assert all(grid.GetCellType(i) == 5 for i in range(m))

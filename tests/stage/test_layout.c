@@ -1,11 +1,14 @@
 /* Layouts are closed cell complexes with the scan's topology, of good parameterizations and of garbage alike.
  */
 #include "bvh.h"
+#include "closure.h"
+#include "doublet.h"
 #include "layout.h"
 #include "param_testing.h"
 #include "polygraph.h"
 #include "quads.h"
 #include "reconstruct.h"
+#include "tspline.h"
 
 typedef struct trial {
     pc_context *ctx;
@@ -46,6 +49,22 @@ static void lies_on_the_scan(const trial *t, const pc_polymesh *quads) {
     pc_bvh_free(&tree, t->ctx);
 }
 
+/* Where there is more than a few cells, which may be two triangles back to back. */
+static void becomes_a_spline(const trial *t, pc_polymesh *polygons) {
+    enum { FEW = 30 };
+    const pc_tmesh_options options = PC_TMESH_DEFAULTS;
+    pc_tspline spline;
+    pc_index removed;
+    assert_ok(t->ctx, pc_doublets_remove(polygons, &removed, t->ctx, true));
+    pc_status status = pc_tspline_make(&spline, t->ctx, polygons, &options);
+    expect(t, status == PC_OK || (status == PC_E_MESH && polygons->face_count < FEW));
+    pc_context_clear_message(t->ctx);
+    if (status != PC_OK) return;
+    expect(t, pc_tmesh_check(&spline.mesh, t->ctx) == PC_OK);
+    expect(t, pc_closure_check(&spline.mesh, t->ctx) == PC_OK);
+    pc_tspline_free(&spline, t->ctx);
+}
+
 static void becomes_polygons(const trial *t, const pc_layout *layout, const pc_surface_count *scan) {
     for (int mode = 0; mode < 2; mode++) {
         pc_ngons ngons = mode == 0 ? PC_NGONS_SPLIT : PC_NGONS_KEEP;
@@ -58,6 +77,7 @@ static void becomes_polygons(const trial *t, const pc_layout *layout, const pc_s
         assert_ok(t->ctx, pc_polygraph_of_polymesh(&graph, t->ctx, &quads));
         is_manifold_like_the_scan(t, &graph.count, scan);
         lies_on_the_scan(t, &quads);
+        if (mode == 1) becomes_a_spline(t, &quads);
         pc_polygraph_free(&graph, t->ctx);
         pc_polymesh_free(&quads, t->ctx);
     }

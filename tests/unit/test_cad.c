@@ -1,25 +1,14 @@
 /* OpenCASCADE reads STEP and IGES: as many faces as written, closed shells, area and volume of the spline
  * itself. Skipped where gmsh is not installed. */
+#include "folder_testing.h"
 #include "iges.h"
 #include "measure.h"
 #include "python.h"
 #include "spline_samples.h"
 #include "step.h"
 
-static char folder[64];
 static bool skipped;
 static const double size = 5;
-
-static int enter_folder(void **state) {
-    (void)state;
-    (void)snprintf(folder, sizeof folder, "/tmp/percale-cad-XXXXXX");
-    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
-}
-
-static int leave_folder(void **state) {
-    (void)state;
-    return chdir("/") == 0 && rmdir(folder) == 0 ? 0 : -1;
-}
 
 static void opencascade_reads_them(void **state) {
     pc_context *ctx = *state;

@@ -3,6 +3,7 @@
 #include "bext.h"
 #include "cage.h"
 #include "file.h"
+#include "folder_testing.h"
 #include "gismo.h"
 #include "iga.h"
 #include "iges.h"
@@ -11,20 +12,8 @@
 #include "step.h"
 #include <math.h>
 
-static char folder[64];
 static bool skipped;
 static const double size = 5;
-
-static int enter_folder(void **state) {
-    (void)state;
-    (void)snprintf(folder, sizeof folder, "/tmp/percale-exports-XXXXXX");
-    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
-}
-
-static int leave_folder(void **state) {
-    (void)state;
-    return chdir("/") == 0 && rmdir(folder) == 0 ? 0 : -1;
-}
 
 static void passes(const char *script, const char *one, const char *two, const char *three) {
     int result = run_python(script, one, two, three);

@@ -1,24 +1,13 @@
 /* scripts/percale_read.py reads what we gather, and we read what it sealed; skipped where h5py is not
  * installed. */
+#include "folder_testing.h"
 #include "gather.h"
 #include "memory.h"
 #include "products.h"
 #include "python.h"
 #include "synth.h"
 
-static char folder[64];
 static bool skipped;
-
-static int enter_folder(void **state) {
-    (void)state;
-    (void)snprintf(folder, sizeof folder, "/tmp/percale-read-XXXXXX");
-    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
-}
-
-static int leave_folder(void **state) {
-    (void)state;
-    return chdir("/") == 0 && rmdir(folder) == 0 ? 0 : -1;
-}
 
 static pc_store *create(pc_context *ctx, const char *path, bool compress) {
     pc_store *store;

@@ -225,7 +225,7 @@ static void threads_do_not_change_a_byte(void **state) {
 static void updates_and_limits(void **state) {
     pc_context *ctx = *state;
     pc_synth_options options = PC_SYNTH_DEFAULTS;
-    pc_solver_options limits = {PC_PRECONDITION_MULTIGRID, 3};
+    pc_solver_options limits = {PC_PRECONDITION_MULTIGRID, 3, 0, true};
     pc_solver_stats stats;
     pc_system first;
     pc_system second;

@@ -123,13 +123,44 @@ static void spheres_are_smooth(void **state) {
     }
 }
 
-static void others_are_refused(void **state) {
+/* A rectangle with a T-junction in the middle. */
+static void tee_is_a_spline(void **state) {
     pc_context *ctx = *state;
     pc_polymesh quads;
     pc_tspline spline;
+    pc_basis_facts facts;
     assert_ok(ctx, pc_synth_quad_tee(&quads, ctx));
-    assert_int_equal(pc_tspline_make(&spline, ctx, &quads, &defaults), PC_E_MESH);
+    assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
+    assert_ok(ctx, pc_tspline_check(&spline, &facts, ctx));
+    for (pc_index v = 0; v < spline.mesh.vertex_count; v++)
+        assert_false(spline.mesh.vertex[v].extraordinary);
+    for (pc_index q = 0; q < quads.vertex_count; q++) {
+        double least = INFINITY;
+        for (pc_index v = 0; v < spline.mesh.vertex_count; v++)
+            least = fmin(least, pc_distance(pc_vec3_at(spline.position, v), pc_vec3_at(quads.position, q)));
+        assert_true(least == 0);
+    }
+    pc_tspline_free(&spline, ctx);
     pc_polymesh_free(&quads, ctx);
+}
+
+/* Three faces at one edge: quads, and with a triangle. */
+static void fins_are_refused(void **state) {
+    pc_context *ctx = *state;
+    const pc_index corner[12] = {0, 1, 2, 3, 1, 0, 4, 5, 0, 1, 6, 7};
+    for (pc_index missing = 0; missing < 2; missing++) {
+        pc_polymesh quads;
+        pc_tspline spline;
+        assert_ok(ctx, pc_polymesh_make(&quads, ctx, 8, 3, 12));
+        for (pc_index v = 0; v < 8; v++)
+            pc_vec3_put(quads.position, v, (pc_vec3){v % 2, 0.5 * v, v % 3});
+        memcpy(quads.corner, corner, sizeof corner);
+        for (pc_index f = 0; f <= 3; f++)
+            quads.start[f] = f < 3 ? 4 * f : 12 - missing;
+        assert_int_equal(pc_tspline_make(&spline, ctx, &quads, &defaults), PC_E_MESH);
+        pc_context_clear_message(ctx);
+        pc_polymesh_free(&quads, ctx);
+    }
 }
 
 int main(void) {
@@ -137,7 +168,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(torus_is_a_periodic_spline, make_context, free_context),
         cmocka_unit_test_setup_teardown(plane_is_a_spline, make_context, free_context),
         cmocka_unit_test_setup_teardown(spheres_are_smooth, make_context, free_context),
-        cmocka_unit_test_setup_teardown(others_are_refused, make_context, free_context),
+        cmocka_unit_test_setup_teardown(tee_is_a_spline, make_context, free_context),
+        cmocka_unit_test_setup_teardown(fins_are_refused, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

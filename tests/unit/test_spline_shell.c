@@ -1,26 +1,8 @@
 /* Shells of refined splines: watertight, exact, and in as few faces as there are rectangles. */
-#include "insertion.h"
-#include "memory.h"
-#include "random.h"
-#include "random_quads.h"
-#include "shell.h"
-#include "synth_quads.h"
-#include "testing.h"
+#include "spline_samples.h"
 #include <math.h>
 
 static const pc_tmesh_options defaults = PC_TMESH_DEFAULTS;
-
-static void refine(pc_tspline *spline, pc_context *ctx, uint64_t seed, int rarity) {
-    pc_random random = {seed};
-    uint8_t *wish = NULL;
-    pc_closure_stats stats;
-    assert_ok(ctx, pc_new(&wish, ctx, spline->mesh.face_count));
-    for (pc_index f = 0; f < spline->mesh.face_count; f++)
-        if (pc_random_uniform(&random) * rarity < 1)
-            wish[f] = (uint8_t)(1 + (int)(3 * pc_random_uniform(&random)));
-    assert_ok(ctx, pc_insertion_refine(spline, &stats, ctx, wish));
-    pc_free(ctx, wish);
-}
 
 /* Every point of the surface is on a face: the centre of each regular T-mesh face is found on its block. */
 static void is_exact(pc_context *ctx, const pc_tspline *spline) {
@@ -81,8 +63,8 @@ static void refined_shapes_are_watertight(void **state) {
         else
             assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 6, 4, 7, 5));
         assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
-        if (seed > 3) refine(&spline, ctx, seed, 15);
-        if (seed > 6) refine(&spline, ctx, seed, 15);
+        if (seed > 3) refine_at_random(&spline, ctx, seed, 15);
+        if (seed > 6) refine_at_random(&spline, ctx, seed, 15);
         assert_ok(ctx, pc_shell_make(&shell, ctx, &spline));
         print_message("%u elements, %u faces, %u edges, %u vertices, %u on the border\n",
                       spline.basis.element_count, shell.face_count, shell.edge_count, shell.vertex_count,
@@ -108,7 +90,7 @@ static void folded_spheres_are_watertight(void **state) {
         print_message("seed %d\n", (int)seed);
         make_random_quads(&quads, ctx, seed, 6, 12);
         assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
-        refine(&spline, ctx, seed, 40);
+        refine_at_random(&spline, ctx, seed, 40);
         assert_ok(ctx, pc_shell_make(&shell, ctx, &spline));
         assert_ok(ctx, pc_shell_check(&shell, ctx, 2));
         assert_int_equal(shell.border_count, 0);
