@@ -12,8 +12,8 @@ typedef struct bridging {
     uint8_t *is_loose;
     pc_index *loose;
     pc_index loose_count;
-    pc_index *stack;
-    pc_index *seen; /* per vertex of the scan: the last gap that reached it */
+    pc_index *list[2];
+    pc_index *steps[2]; /* per vertex of the scan: from one foot and from the other; else PC_NONE */
     pc_index gaps;
 } bridging;
 
@@ -23,48 +23,62 @@ static void loosen(bridging *b, pc_index v) {
     b->loose[b->loose_count++] = v;
 }
 
-static void reach(bridging *b, size_t *count, pc_index v, pc_vec3 middle, double radius) {
-    if (b->seen[v] == b->gaps || pc_distance(pc_vec3_at(b->target->mesh->position, v), middle) > radius)
-        return;
-    b->seen[v] = b->gaps;
-    b->stack[(*count)++] = v;
-    loosen(b, v);
+/* Steps along edges from a triangle to all vertices, until `goal` is met or `far` steps are made; which were
+ * met, in order, is in `list`. */
+static size_t spread(bridging *b, pc_index *list, pc_index *steps, pc_index from, pc_index goal,
+                     pc_index far) {
+    enum { MOST = 4000 };
+    const pc_mesh *mesh = b->target->mesh;
+    size_t count = 0;
+    for (size_t k = 0; k < 3; k++) {
+        const pc_index v = mesh->triangle[3 * (size_t)from + k];
+        steps[v] = 0, list[count++] = v;
+    }
+    for (size_t next = 0; next < count && count < MOST; next++) {
+        const pc_index v = list[next];
+        pc_index first = b->target->adjacency->vertex_half[v], h = first;
+        if (steps[v] == far) break;
+        do {
+            const pc_index w = mesh->triangle[pc_next(h)];
+            if (steps[w] == PC_NONE) steps[w] = steps[v] + 1, list[count++] = w;
+            if (w == goal) far = steps[w];
+            h = pc_turn_ccw(b->target->adjacency, h);
+        } while (h != first && h != PC_NONE && count < MOST);
+    }
+    return count;
 }
 
-/* What can be reached from either foot without leaving a ball around both, on the scan as it is. */
-static void loosen_between(bridging *b, const pc_foot *x, const pc_foot *y, double stretch) {
-    const pc_mesh *mesh = b->target->mesh;
-    const pc_vec3 p = pc_footpoints_point(mesh, x), q = pc_footpoints_point(mesh, y);
-    const pc_vec3 middle = pc_scale(0.5, pc_add(p, q));
-    const double radius = stretch * pc_distance(p, q);
-    size_t count = 0;
+/* What lies on short ways over the scan from one foot to the other, however deep the groove; sheets that are
+ * not connected near by stay as they are. */
+static void loosen_between(bridging *b, const pc_foot *x, const pc_foot *y, pc_index slack) {
+    const pc_index goal = b->target->mesh->triangle[3 * (size_t)y->triangle];
+    const size_t count = spread(b, b->list[0], b->steps[0], x->triangle, goal, PC_NONE);
+    const pc_index length = b->steps[0][goal];
     b->gaps++;
-    for (size_t k = 0; k < 3; k++) {
-        reach(b, &count, mesh->triangle[3 * (size_t)x->triangle + k], middle, radius);
-        reach(b, &count, mesh->triangle[3 * (size_t)y->triangle + k], middle, radius);
+    if (length != PC_NONE) {
+        const size_t others = spread(b, b->list[1], b->steps[1], y->triangle, PC_NONE, length + slack);
+        for (size_t i = 0; i < others; i++) {
+            const pc_index v = b->list[1][i];
+            if (b->steps[0][v] != PC_NONE && b->steps[0][v] + b->steps[1][v] <= length + slack) loosen(b, v);
+            b->steps[1][v] = PC_NONE;
+        }
     }
-    while (count > 0) {
-        pc_index first = b->target->adjacency->vertex_half[b->stack[--count]], h = first;
-        do {
-            reach(b, &count, mesh->triangle[pc_next(h)], middle, radius);
-            h = pc_turn_ccw(b->target->adjacency, h);
-        } while (h != first && h != PC_NONE);
-    }
+    for (size_t i = 0; i < count; i++)
+        b->steps[0][b->list[0][i]] = PC_NONE;
 }
 
 /* Looks for gaps between feet of the same face, and loosens what lies in them; their number. */
-static pc_index find_gaps(bridging *b, double stretch) {
+static pc_index find_gaps(bridging *b, pc_index slack) {
     const int n = b->feet->per_side;
     b->gaps = 0;
-    memset(b->seen, 0, b->target->mesh->vertex_count * sizeof *b->seen);
     for (pc_index f = 0; f < b->feet->face_count; f++) {
         const pc_foot *foot = b->feet->foot + (size_t)f * (size_t)(n * n);
         if (b->spline->mesh.face[f].ghost) continue;
         for (int i = 0; i < n * n; i++) {
             if ((i + 1) % n && pc_footpoints_gap(b->feet, b->spline, f, i, i + 1))
-                loosen_between(b, foot + i, foot + i + 1, stretch);
+                loosen_between(b, foot + i, foot + i + 1, slack);
             if (i + n < n * n && pc_footpoints_gap(b->feet, b->spline, f, i, i + n))
-                loosen_between(b, foot + i, foot + i + n, stretch);
+                loosen_between(b, foot + i, foot + i + n, slack);
         }
     }
     return b->gaps;
@@ -128,12 +142,15 @@ pc_status pc_bridge_make(pc_mesh *flat, pc_footpoints *feet, pc_context *ctx, co
     PC_TRY(pc_new(&b.is_anchor, ctx, count));
     PC_TRY(pc_new(&b.is_loose, ctx, count));
     PC_TRY(pc_new(&b.loose, ctx, count));
-    PC_TRY(pc_new(&b.stack, ctx, count));
-    PC_TRY(pc_new(&b.seen, ctx, count));
+    for (int k = 0; k < 2; k++) {
+        PC_TRY(pc_new(&b.list[k], ctx, count + 3));
+        PC_TRY(pc_new(&b.steps[k], ctx, count));
+        memset(b.steps[k], 0xff, count * sizeof *b.steps[k]); /* PC_NONE */
+    }
     PC_TRY(find_anchors(&b, ctx));
     for (int attempt = 0;; attempt++) {
         pc_footpoints_land(feet, spline, flat, target->adjacency, b.at);
-        if (attempt == TRIES || !find_gaps(&b, 0.75 + 0.25 * attempt)) break;
+        if (attempt == TRIES || !find_gaps(&b, (pc_index)(3 + 2 * attempt))) break;
         stretch_membrane(&b);
     }
     pc_log(ctx, PC_LOG_DEBUG, "spline: %u vertices of the scan drawn flat", b.loose_count);
@@ -142,8 +159,10 @@ done:
     pc_free(ctx, b.is_anchor);
     pc_free(ctx, b.is_loose);
     pc_free(ctx, b.loose);
-    pc_free(ctx, b.stack);
-    pc_free(ctx, b.seen);
+    for (int k = 0; k < 2; k++) {
+        pc_free(ctx, b.list[k]);
+        pc_free(ctx, b.steps[k]);
+    }
     if (status != PC_OK) pc_free(ctx, flat->position), flat->position = NULL;
     return status;
 }

@@ -3,6 +3,7 @@
 #include "memory.h"
 #include <math.h>
 #include <omp.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void make_plate(double plate[48]) {
