@@ -82,7 +82,7 @@ static pc_status measure(pc_context *ctx, const bench *b, pc_index across) {
     at[0] = pc_clock_wall();
     PC_TRY(pc_energy_make(&energy, ctx, &spline, NULL));
     at[1] = pc_clock_wall();
-    PC_TRY(pc_energy_fill(&energy, &facts, ctx, b->device, sample, count, 1e-3));
+    PC_TRY(pc_energy_fill(&energy, &facts, ctx, b->device, sample, count, 3e-4));
     at[2] = pc_clock_wall();
     PC_TRY(solve(ctx, b, &energy, &seconds, &solved));
     printf("{\"bench\": \"fit\", \"device\": \"%s\", \"points\": %u, \"samples\": %zu, \"couplings\": %u, "

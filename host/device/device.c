@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { MOST_PLATFORMS = 16 };
 
@@ -218,6 +219,13 @@ pc_status pc_device_open(pc_device **device, pc_context *ctx, const char *wanted
     return pc_device_start(device, ctx, &found.info[chosen], found.id[chosen], NULL);
 }
 
+/* Buffers that were let go give their memory back on a thread of the runtime's, a little later. */
+static void await_lent(pc_device *device) {
+    const struct timespec moment = {0, 100000};
+    for (int i = 0; i < 100000 && atomic_load(&device->lent) > 0; i++)
+        (void)nanosleep(&moment, NULL);
+}
+
 void pc_device_close(pc_device *device, pc_context *ctx) {
     if (!device) return;
     for (int k = 0; k < device->member_count; k++)
@@ -227,6 +235,7 @@ void pc_device_close(pc_device *device, pc_context *ctx) {
         if (device->queue) (void)clFinish(device->queue);
         for (size_t i = 0; i < device->pending_count; i++)
             (void)clReleaseEvent(device->pending[i].event);
+        await_lent(device);
         pc_program_free_all(device, ctx);
         if (device->copies) (void)clReleaseCommandQueue(device->copies);
         if (device->queue) (void)clReleaseCommandQueue(device->queue);

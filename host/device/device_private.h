@@ -5,6 +5,7 @@
 #include "device.h"
 #include "event.h"
 #include <CL/cl.h>
+#include <stdatomic.h>
 
 enum { PC_PENDING_EVENTS = 512, PC_MOST_DEVICES = 32 };
 
@@ -44,6 +45,7 @@ struct pc_device {
     bool host;
     pc_shape shape;
     size_t allocation_cap;
+    atomic_size_t lent; /* blocks of our memory under its buffers; the runtime's threads give them back */
     pc_device_info info;
     cl_device_id id;
     cl_context context;

@@ -91,14 +91,17 @@ pc_status pc_launch_wait(pc_context *ctx, pc_device *device) {
 /* Memory of ours under a buffer. */
 typedef struct lent {
     pc_context *ctx;
+    pc_device *device;
     void *block;
 } lent;
 
 static void CL_CALLBACK take_back(cl_mem handle, void *user) {
     lent *l = user;
+    pc_device *device = l->device;
     (void)handle;
     pc_free(l->ctx, l->block);
     pc_free(l->ctx, l);
+    atomic_fetch_sub(&device->lent, 1);
 }
 
 /* Large buffers of devices that compute in the host's memory lie in memory of ours: on huge pages, and back
@@ -110,12 +113,15 @@ static pc_status lend(pc_buffer *b, pc_context *ctx, bool zeroed) {
     cl_int error = CL_SUCCESS;
     PC_TRY(pc_new(&l, ctx, 1));
     PC_TRY(zeroed ? pc_new(&block, ctx, b->bytes) : pc_resize(&block, ctx, b->bytes));
-    *l = (lent){ctx, block};
+    *l = (lent){ctx, b->device, block};
     b->handle =
         clCreateBuffer(b->device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, b->bytes, block, &error);
     if (error == CL_SUCCESS) {
         error = clSetMemObjectDestructorCallback(b->handle, take_back, l);
-        if (error == CL_SUCCESS) return PC_OK;
+        if (error == CL_SUCCESS) {
+            atomic_fetch_add(&b->device->lent, 1); /* the buffer's release is what calls back */
+            return PC_OK;
+        }
         (void)clReleaseMemObject(b->handle);
     }
     status = pc_device_fail(ctx, error, "making a buffer");
