@@ -27,7 +27,7 @@ static void loosen(bridging *b, pc_index v) {
  * met, in order, is in `list`. */
 static size_t spread(bridging *b, pc_index *list, pc_index *steps, pc_index from, pc_index goal,
                      pc_index far) {
-    enum { MOST = 4000 };
+    enum { MOST = 20000 };
     const pc_mesh *mesh = b->target->mesh;
     size_t count = 0;
     for (size_t k = 0; k < 3; k++) {
@@ -50,16 +50,17 @@ static size_t spread(bridging *b, pc_index *list, pc_index *steps, pc_index from
 
 /* What lies on short ways over the scan from one foot to the other, however deep the groove; sheets that are
  * not connected near by stay as they are. */
-static void loosen_between(bridging *b, const pc_foot *x, const pc_foot *y, pc_index slack) {
+static void loosen_between(bridging *b, const pc_foot *x, const pc_foot *y, double detour) {
     const pc_index goal = b->target->mesh->triangle[3 * (size_t)y->triangle];
     const size_t count = spread(b, b->list[0], b->steps[0], x->triangle, goal, PC_NONE);
     const pc_index length = b->steps[0][goal];
     b->gaps++;
     if (length != PC_NONE) {
-        const size_t others = spread(b, b->list[1], b->steps[1], y->triangle, PC_NONE, length + slack);
+        const pc_index longest = length + 2 + (pc_index)(detour * length);
+        const size_t others = spread(b, b->list[1], b->steps[1], y->triangle, PC_NONE, longest);
         for (size_t i = 0; i < others; i++) {
             const pc_index v = b->list[1][i];
-            if (b->steps[0][v] != PC_NONE && b->steps[0][v] + b->steps[1][v] <= length + slack) loosen(b, v);
+            if (b->steps[0][v] != PC_NONE && b->steps[0][v] + b->steps[1][v] <= longest) loosen(b, v);
             b->steps[1][v] = PC_NONE;
         }
     }
@@ -68,7 +69,7 @@ static void loosen_between(bridging *b, const pc_foot *x, const pc_foot *y, pc_i
 }
 
 /* Looks for gaps between feet of the same face, and loosens what lies in them; their number. */
-static pc_index find_gaps(bridging *b, pc_index slack) {
+static pc_index find_gaps(bridging *b, double detour) {
     const int n = b->feet->per_side;
     b->gaps = 0;
     for (pc_index f = 0; f < b->feet->face_count; f++) {
@@ -76,9 +77,9 @@ static pc_index find_gaps(bridging *b, pc_index slack) {
         if (b->spline->mesh.face[f].ghost) continue;
         for (int i = 0; i < n * n; i++) {
             if ((i + 1) % n && pc_footpoints_gap(b->feet, b->spline, f, i, i + 1))
-                loosen_between(b, foot + i, foot + i + 1, slack);
+                loosen_between(b, foot + i, foot + i + 1, detour);
             if (i + n < n * n && pc_footpoints_gap(b->feet, b->spline, f, i, i + n))
-                loosen_between(b, foot + i, foot + i + n, slack);
+                loosen_between(b, foot + i, foot + i + n, detour);
         }
     }
     return b->gaps;
@@ -150,7 +151,7 @@ pc_status pc_bridge_make(pc_mesh *flat, pc_footpoints *feet, pc_context *ctx, co
     PC_TRY(find_anchors(&b, ctx));
     for (int attempt = 0;; attempt++) {
         pc_footpoints_land(feet, spline, flat, target->adjacency, b.at);
-        if (attempt == TRIES || !find_gaps(&b, (pc_index)(3 + 2 * attempt))) break;
+        if (attempt == TRIES || !find_gaps(&b, 0.25 + 0.25 * attempt)) break;
         stretch_membrane(&b);
     }
     pc_log(ctx, PC_LOG_DEBUG, "spline: %u vertices of the scan drawn flat", b.loose_count);
