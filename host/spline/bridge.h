@@ -1,4 +1,4 @@
-/* The scan with its grooves and thorns drawn flat where the first, coarse faces of a surface bridge them, so
+/* The scan with its grooves drawn flat where the first, coarse faces of a surface bridge them, so
  * that these find all of it below them, side by side (digest C37). */
 #ifndef PC_BRIDGE_H
 #define PC_BRIDGE_H

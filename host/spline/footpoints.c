@@ -115,23 +115,22 @@ void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const p
         if (!spline->mesh.face[f].ghost) follow_face(feet, spline, target, f);
 }
 
-/* The grid of the bilinear face. */
-static void flat_grid(grid *g, const pc_footpoints *feet, const pc_tspline *spline, pc_index f) {
-    const double *size = spline->mesh.face[f].size;
+/* Corners of the bilinear face. */
+static void flat_corners(pc_vec3 c[4], const pc_tspline *spline, pc_index f) {
     pc_index corner[4];
-    pc_vec3 c[4];
     pc_tface_corners(corner, &spline->mesh, f);
     for (int k = 0; k < 4; k++)
         c[k] = pc_vec3_at(spline->position, corner[k]);
-    for (int i = 0; i < feet->per_side * feet->per_side; i++) {
-        double at[2];
-        pc_footpoints_at(at, feet, f, i);
-        const double u = at[0] / size[0], v = at[1] / size[1];
-        const pc_vec3 along = pc_madd(pc_scale(1 - v, pc_sub(c[1], c[0])), v, pc_sub(c[2], c[3]));
-        const pc_vec3 across = pc_madd(pc_scale(1 - u, pc_sub(c[3], c[0])), u, pc_sub(c[2], c[1]));
-        g->point[i] = pc_madd(pc_madd(c[0], u, pc_sub(c[1], c[0])), v, across);
-        g->normal[i] = pc_cross(along, across);
-    }
+}
+
+/* Point i of its grid, and the normal there. */
+static pc_vec3 flat_point(pc_vec3 *normal, const pc_vec3 c[4], int n, int i) {
+    const int column = i % n, line = i / n;
+    const double u = (column + 0.5) / n, v = (line + 0.5) / n;
+    const pc_vec3 along = pc_madd(pc_scale(1 - v, pc_sub(c[1], c[0])), v, pc_sub(c[2], c[3]));
+    const pc_vec3 across = pc_madd(pc_scale(1 - u, pc_sub(c[3], c[0])), u, pc_sub(c[2], c[1]));
+    *normal = pc_cross(along, across);
+    return pc_madd(pc_madd(c[0], u, pc_sub(c[1], c[0])), v, across);
 }
 
 /* From the nearest corner along the flat face: what lies between leads to the right sheet. */
@@ -142,16 +141,17 @@ static void land_face(pc_footpoints *feet, const pc_tspline *spline, const pc_me
     pc_foot *foot = feet->foot + (size_t)f * (size_t)(n * n);
     grid g;
     pc_index corner[4];
-    flat_grid(&g, feet, spline, f);
+    pc_vec3 c[4];
     pc_tface_corners(corner, &spline->mesh, f);
+    flat_corners(c, spline, f);
     for (int i = 0; i < n * n; i++) {
+        g.point[i] = flat_point(g.normal + i, c, n, i);
         const bool right = 2 * (i % n) + 1 > n, upper = 2 * (i / n) + 1 > n;
         const int k = upper ? (right ? 2 : 3) : (right ? 1 : 0);
-        const pc_vec3 c = pc_vec3_at(spline->position, corner[k]);
         foot[i].triangle = at[corner[k]];
         for (int step = 1; step <= STEPS; step++)
             foot[i] = walk(scan, adjacency, foot[i].triangle,
-                           pc_madd(c, (double)step / STEPS, pc_sub(g.point[i], c)));
+                           pc_madd(c[k], (double)step / STEPS, pc_sub(g.point[i], c[k])));
         foot[i].opposed = !faces(scan, foot[i].triangle, g.normal[i]);
     }
     rescue(foot, n, scan, adjacency, &g);
@@ -174,10 +174,12 @@ void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan) {
 bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j) {
     const double most_stretch = 3;
     const pc_foot *foot = feet->foot + (size_t)f * (size_t)(feet->per_side * feet->per_side);
-    grid g;
-    flat_grid(&g, feet, spline, f);
-    return foot[i].opposed || foot[j].opposed ||
-           pc_distance(foot[i].point, foot[j].point) > most_stretch * pc_distance(g.point[i], g.point[j]);
+    pc_vec3 c[4], normal;
+    if (foot[i].opposed || foot[j].opposed) return true;
+    flat_corners(c, spline, f);
+    const double step =
+        pc_distance(flat_point(&normal, c, feet->per_side, i), flat_point(&normal, c, feet->per_side, j));
+    return pc_distance(foot[i].point, foot[j].point) > most_stretch * step;
 }
 
 static pc_status make_room(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh) {
