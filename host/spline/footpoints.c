@@ -16,7 +16,7 @@ static const pc_foot *foot_near(const pc_footpoints *feet, pc_index face, const 
         cell[k] = (int)(at[k] / feet->size[2 * (size_t)face + k] * feet->per_side);
         cell[k] = cell[k] < 0 ? 0 : cell[k] >= feet->per_side ? feet->per_side - 1 : cell[k];
     }
-    const size_t each = (size_t)(feet->per_side * feet->per_side);
+    const size_t n = (size_t)feet->per_side, each = n * n;
     return feet->foot + face * each + cell[0] + cell[1] * feet->per_side;
 }
 
@@ -212,7 +212,7 @@ void pc_footpoints_free(pc_footpoints *feet, pc_context *ctx) {
 
 pc_status pc_footpoints_carry(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *refined) {
     pc_status status = PC_OK;
-    const size_t each = (size_t)(feet->per_side * feet->per_side);
+    const size_t n = (size_t)feet->per_side, each = n * n;
     pc_footpoints finer = {.per_side = feet->per_side};
     PC_TRY(make_room(&finer, ctx, refined));
     for (pc_index f = 0; f < refined->face_count; f++) {

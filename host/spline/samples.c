@@ -22,7 +22,7 @@ static void sample_vertices(gathering *g) {
 
 static void sample_grids(gathering *g) {
     const pc_footpoints *feet = g->feet;
-    const size_t each = (size_t)(feet->per_side * feet->per_side);
+    const size_t n = (size_t)feet->per_side, each = n * n;
 #pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < feet->face_count; f++)
         for (size_t i = 0; i < each; i++) {
