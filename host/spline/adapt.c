@@ -61,7 +61,7 @@ typedef struct adapting {
     pc_face_error *error; /* per face of the present mesh */
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
-    int vain; /* rounds since then */
+    int vain; /* rounds since it became much better */
 } adapting;
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
@@ -92,16 +92,17 @@ static bool is_within_budget(const adapting *a) {
 
 /* Keeps the surface where none was nearer. */
 static pc_status remember(adapting *a, pc_context *ctx) {
+    const double worthwhile = 0.97;
     pc_status status = PC_OK;
     const pc_tmesh *mesh = &a->spline->mesh;
-    a->vain++;
-    if (a->best.position && !(a->stats->accuracy.max < a->best_stats.accuracy.max)) return PC_OK;
+    const bool first = !a->best.position;
+    a->vain = first || a->stats->accuracy.max < worthwhile * a->best_stats.accuracy.max ? 0 : a->vain + 1;
+    if (!first && !(a->stats->accuracy.max < a->best_stats.accuracy.max)) return PC_OK;
     pc_tspline_free(&a->best, ctx);
     PC_TRY(pc_tmesh_copy(&a->best.mesh, ctx, mesh));
     PC_TRY(pc_new(&a->best.position, ctx, 3 * (size_t)mesh->vertex_count));
     memcpy(a->best.position, a->spline->position, 3 * sizeof(double) * mesh->vertex_count);
     a->best_stats = *a->stats;
-    a->vain = 0;
 done:
     return status;
 }

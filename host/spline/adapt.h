@@ -11,7 +11,7 @@ typedef struct pc_adapt_options {
     double tolerance;    /* two-sided distance, in model units */
     pc_index max_points; /* control points; 0: no limit */
     int max_rounds;      /* of refinement */
-    int patience;        /* rounds that may pass without a smaller error */
+    int patience;        /* rounds that may pass without an error smaller by a few percent */
     int per_side;        /* samples per side of a face where distances are measured */
     int feet;            /* foot points along the side of a face that the fit gets */
     double portion;      /* of the faces that are refined in one round at most, the worst ones */

@@ -2,8 +2,8 @@
  * the distances to samples, and the bending of thin plates (digest C38, C39).
  *
  *   sum of weight |S(place) - target|^2 + fairness * sum over faces of the integral over [0,1]^2 of
- *   (|S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2) / size,   u and v running from 0 to 1 across each face, size the side of
- *   the square of as much area in knots.
+ *   (|S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2) / size,   u and v running from 0 to 1 across each face, size the side
+ * of the square of as much area in knots.
  *
  * Both terms scale with the square of the model's size, so that the fairness has no unit. On an element the
  * first needs only 49 sums over its samples, because products of two Bernstein polynomials of degree 3 are
