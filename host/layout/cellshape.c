@@ -93,7 +93,7 @@ static pc_status measure_edges(pc_cellshape *shape, pc_context *ctx, const pc_po
     PC_TRY(pc_new(&length, ctx, graph->corner_count));
     for (pc_index f = 0; f < mesh->face_count; f++)
         for (pc_index c = mesh->start[f]; c < mesh->start[f + 1]; c++) {
-            pc_index next = c + 1 < mesh->start[f + 1] ? c + 1 : mesh->start[f];
+            pc_index next = pc_polymesh_next(mesh, f, c);
             if (graph->twin[c] != PC_NONE && graph->twin[c] < c) continue;
             length[count++] = pc_distance(pc_vec3_at(mesh->position, mesh->corner[c]),
                                           pc_vec3_at(mesh->position, mesh->corner[next]));

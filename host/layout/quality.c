@@ -43,7 +43,7 @@ static pc_status count_vertices(pc_quality *q, pc_context *ctx, survey *s) {
         if (mesh->corner_flat && mesh->corner_flat[c] && s->flat_in[v] < 255) s->flat_in[v]++;
         if (!s->quad_graph.boundary[c]) continue;
         s->on_boundary[v] = 1;
-        s->on_boundary[mesh->corner[c + 1 < mesh->start[f + 1] ? c + 1 : mesh->start[f]]] = 1;
+        s->on_boundary[mesh->corner[pc_polymesh_next(mesh, f, c)]] = 1;
     }
     for (pc_index v = 0; v < mesh->vertex_count; v++) {
         if (corners[v] == 0) continue;
@@ -192,7 +192,7 @@ static pc_status compare_with_field(pc_quality *q, pc_context *ctx, const survey
 #pragma omp parallel for schedule(static)
     for (pc_index c = 0; c < s->quad_graph.corner_count; c++) {
         pc_index f = s->quad_graph.face[c], twin = s->quad_graph.twin[c];
-        pc_index next = c + 1 < mesh->start[f + 1] ? c + 1 : mesh->start[f];
+        pc_index next = pc_polymesh_next(mesh, f, c);
         angle[c] =
             twin != PC_NONE && twin < c ? -1 : angle_to_field(s, field, mesh->corner[c], mesh->corner[next]);
     }

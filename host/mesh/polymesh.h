@@ -23,4 +23,12 @@ pc_status pc_polymesh_copy(pc_polymesh *copy, pc_context *ctx, const pc_polymesh
 pc_status pc_polymesh_compact(pc_polymesh *mesh, pc_context *ctx, const uint8_t *removed);
 void pc_polymesh_free(pc_polymesh *mesh, pc_context *ctx);
 
+/* The corners after and before c around face f. */
+static inline pc_index pc_polymesh_next(const pc_polymesh *mesh, pc_index f, pc_index c) {
+    return c + 1 < mesh->start[f + 1] ? c + 1 : mesh->start[f];
+}
+static inline pc_index pc_polymesh_previous(const pc_polymesh *mesh, pc_index f, pc_index c) {
+    return (c > mesh->start[f] ? c : mesh->start[f + 1]) - 1;
+}
+
 #endif

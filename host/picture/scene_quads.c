@@ -110,7 +110,7 @@ static pc_status draw_edges(pc_picture *picture, pc_context *ctx, const pc_polym
         if (q->start[f + 1] - q->start[f] < 3) continue;
         pc_vec3 n = polygon_normal(q, f);
         for (pc_index c = q->start[f]; c < q->start[f + 1]; c++) {
-            pc_index a = q->corner[c], b = q->corner[c + 1 < q->start[f + 1] ? c + 1 : q->start[f]];
+            pc_index a = q->corner[c], b = q->corner[pc_polymesh_next(q, f, c)];
             /* drawn from both sides: the same line twice covers the same samples */
             pc_vec3 p = pc_vec3_at(q->position, a < b ? a : b), r = pc_vec3_at(q->position, a < b ? b : a);
             pc_stroke *s = &stroke[count++];

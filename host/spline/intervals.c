@@ -114,7 +114,7 @@ static pc_status join_stars(solving *s, pc_context *ctx) {
         quarters[p->corner[c]] += is_flat(s, c) ? 2 : 1;
         if (s->graph.twin[c] == PC_NONE) {
             pc_index f = s->graph.face[c];
-            border[p->corner[c]] = border[p->corner[c + 1 < p->start[f + 1] ? c + 1 : p->start[f]]] = 1;
+            border[p->corner[c]] = border[p->corner[pc_polymesh_next(p, f, c)]] = 1;
         }
     }
     for (pc_index c = 0; c < s->graph.corner_count; c++) {

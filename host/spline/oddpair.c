@@ -82,8 +82,7 @@ done:
 }
 
 static pc_index after(const pairing *p, pc_index c) {
-    pc_index f = p->graph.face[c];
-    return c + 1 < p->mesh->start[f + 1] ? c + 1 : p->mesh->start[f];
+    return pc_polymesh_next(p->mesh, p->graph.face[c], c);
 }
 
 /* The corner that follows c around what has been joined. */

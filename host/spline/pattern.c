@@ -99,7 +99,7 @@ static pc_status list_neighbours(carving *c, pc_context *ctx) {
     memset(c->head, 0xff, t->vertex_count * sizeof *c->head);
     for (pc_index k = 0; k < graph.corner_count; k++) {
         pc_index f = graph.face[k], v = t->corner[k];
-        pc_index w = t->corner[k + 1 < t->start[f + 1] ? k + 1 : t->start[f]];
+        pc_index w = t->corner[pc_polymesh_next(t, f, k)];
         if (graph.twin[k] != PC_NONE && graph.twin[k] < k) continue;
         list_neighbour(c, v, w);
         list_neighbour(c, w, v);

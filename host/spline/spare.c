@@ -17,13 +17,11 @@ typedef struct tidying {
 } tidying;
 
 static pc_index next_corner(const tidying *t, pc_index k) {
-    pc_index f = t->graph.face[k];
-    return k + 1 < t->mesh->start[f + 1] ? k + 1 : t->mesh->start[f];
+    return pc_polymesh_next(t->mesh, t->graph.face[k], k);
 }
 
 static pc_index previous_corner(const tidying *t, pc_index k) {
-    pc_index f = t->graph.face[k];
-    return (k > t->mesh->start[f] ? k : t->mesh->start[f + 1]) - 1;
+    return pc_polymesh_previous(t->mesh, t->graph.face[k], k);
 }
 
 /* The vertices beside corner k that stay. */
@@ -148,7 +146,7 @@ static pc_status look_at_vertices(tidying *t, pc_context *ctx) {
     PC_TRY(pc_new(&t->left, ctx, p->face_count));
     for (pc_index k = 0; k < t->graph.corner_count; k++) {
         pc_index v = p->corner[k], f = t->graph.face[k];
-        pc_index w = p->corner[k + 1 < p->start[f + 1] ? k + 1 : p->start[f]];
+        pc_index w = p->corner[pc_polymesh_next(p, f, k)];
         t->faces[v]++;
         t->flats[v] += p->corner_flat[k];
         if (t->graph.twin[k] != PC_NONE) continue;
