@@ -1,4 +1,5 @@
 #include "adapt.h"
+#include "fold.h"
 #include "insertion.h"
 #include "memory.h"
 #include <stdlib.h>
@@ -107,23 +108,42 @@ done:
     return status;
 }
 
+/* `folded`: faces of the mesh before refinement. */
+static pc_status open_folds(adapting *a, pc_context *ctx, const uint8_t *folded) {
+    pc_status status = PC_OK;
+    const pc_tmesh *mesh = &a->spline->mesh;
+    uint8_t *now = NULL;
+    PC_TRY(pc_new(&now, ctx, mesh->face_count));
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        now[f] = !mesh->face[f].ghost && folded[mesh->face[f].root];
+    PC_TRY(pc_folds_open(&a->matching, NULL, ctx, a->spline, a->target, now, a->options->tolerance));
+done:
+    pc_free(ctx, now);
+    return status;
+}
+
 /* `more` is false where there is nothing to refine, or that took more control points than allowed. */
 static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_adapt_options *options = a->options;
     pc_closure_stats closed;
-    uint8_t *wish = NULL;
+    uint8_t *wish = NULL, *folded = NULL;
     double limit;
     *more = false;
+    PC_TRY(pc_new(&folded, ctx, a->spline->mesh.face_count));
+    const pc_index folds =
+        pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, options->tolerance);
     PC_TRY(pc_new(&wish, ctx, a->spline->mesh.face_count));
     PC_TRY(threshold(&limit, ctx, a->error, a->spline->mesh.face_count, options));
     if (!choose(wish, a->spline, a->error, limit, options->tolerance, options->anisotropy)) goto done;
     PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
     a->stats->junctions = closed.junctions;
     PC_TRY(pc_matching_carry(&a->matching, ctx, a->spline, a->target));
+    if (folds) PC_TRY(open_folds(a, ctx, folded));
     *more = is_within_budget(a);
 done:
     pc_free(ctx, wish);
+    pc_free(ctx, folded);
     return status;
 }
 

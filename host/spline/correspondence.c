@@ -7,17 +7,20 @@ pc_surface_place pc_correspondence_place(const pc_correspondence *c, const pc_ts
 }
 
 static void put_place(pc_correspondence *c, const pc_tspline *spline, pc_index v, pc_surface_place place) {
-    c->spot[v] = (pc_spot){PC_NONE, {0, 0}};
+    c->spot[v] = (pc_spot){PC_NONE, {0, 0}, false};
     if (place.element == PC_NONE) return;
-    c->spot[v] = (pc_spot){spline->basis.element[place.element].face, {place.s, place.t}};
+    c->spot[v] = (pc_spot){spline->basis.element[place.element].face, {place.s, place.t}, false};
 }
 
-void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target) {
+void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
+                              double let_go) {
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index v = 0; v < c->count; v++) {
         const pc_surface_place place = pc_correspondence_place(c, spline, v);
+        const pc_vec3 x = pc_vec3_at(target->mesh->position, v);
         if (place.element == PC_NONE) continue;
-        put_place(c, spline, v, pc_nearest_from(spline, place, pc_vec3_at(target->mesh->position, v)).place);
+        if (c->spot[v].held && pc_distance(pc_tspline_point(spline, place), x) > let_go) continue;
+        put_place(c, spline, v, pc_nearest_from(spline, place, x).place);
     }
 }
 

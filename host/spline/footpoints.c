@@ -94,7 +94,8 @@ static void rescue(pc_foot *foot, int n, const pc_mesh *mesh, const pc_adjacency
     }
 }
 
-static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target, pc_index f) {
+static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target, pc_index f,
+                        double let_go) {
     const int n = feet->per_side;
     pc_foot *foot = feet->foot + (size_t)f * (size_t)(n * n);
     grid g;
@@ -103,16 +104,18 @@ static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_
         pc_footpoints_at(at, feet, f, i);
         const pc_surface_point x = pc_tspline_evaluate(spline, pc_tspline_place(spline, f, at[0], at[1]));
         g.point[i] = x.p, g.normal[i] = pc_cross(x.s, x.t);
+        if (foot[i].held && pc_distance(x.p, foot[i].point) > let_go) continue;
         foot[i] = walk(target->mesh, target->adjacency, foot[i].triangle, g.point[i]);
         foot[i].opposed = !faces(target->mesh, foot[i].triangle, g.normal[i]);
     }
     rescue(foot, n, target->mesh, target->adjacency, &g);
 }
 
-void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target) {
+void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target,
+                          double let_go) {
 #pragma omp parallel for schedule(dynamic, 16)
     for (pc_index f = 0; f < feet->face_count; f++)
-        if (!spline->mesh.face[f].ghost) follow_face(feet, spline, target, f);
+        if (!spline->mesh.face[f].ghost) follow_face(feet, spline, target, f, let_go);
 }
 
 /* Corners of the bilinear face. */

@@ -11,6 +11,7 @@ typedef struct pc_foot {
     double weight[3];  /* of its corners */
     pc_vec3 point;     /* on it */
     bool opposed;      /* the scan faces the other way there: another sheet, or the surface is folded */
+    bool held;         /* stays where it is while the surface is far (pc_folds_open) */
 } pc_foot;
 
 typedef struct pc_footpoints {
@@ -34,8 +35,10 @@ void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan);
  * is opposed. */
 bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j);
 
-/* Every foot walks downhill to the point of the scan nearest to the surface's. */
-void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target);
+/* Every foot walks downhill to the point of the scan nearest to the surface's; those that are held once the
+ * surface is within `let_go` of them. */
+void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target,
+                          double let_go);
 /* Grids of a mesh whose faces are parts of those so far (pc_tface.root), each foot where the nearest of
  * the old ones is, to be followed. PC_E_NOMEM. */
 pc_status pc_footpoints_carry(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *refined);

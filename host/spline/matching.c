@@ -23,8 +23,8 @@ void pc_matching_free(pc_matching *matching, pc_context *ctx) {
 }
 
 void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target) {
-    pc_footpoints_follow(&matching->feet, spline, target);
-    pc_correspondence_follow(&matching->vertices, spline, target);
+    pc_footpoints_follow(&matching->feet, spline, target, matching->let_go);
+    pc_correspondence_follow(&matching->vertices, spline, target, matching->let_go);
 }
 
 pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tspline *refined,

@@ -9,6 +9,7 @@ void pc_skin_free(pc_skin *skin, pc_context *ctx) {
     pc_free(ctx, skin->normal);
     pc_free(ctx, skin->place);
     pc_free(ctx, skin->element);
+    pc_free(ctx, skin->corner);
     *skin = (pc_skin){0};
 }
 
@@ -28,7 +29,7 @@ typedef struct making {
     pc_index *edge_vertex;
     spot *spot; /* those of the face at hand, by t, then s */
     size_t spot_count, spot_room;
-    pc_index *rim; /* of the cell at hand */
+    spot *rim; /* of the cell at hand */
     size_t rim_count, rim_room;
 } making;
 
@@ -247,16 +248,22 @@ done:
 
 /* ---- Triangles ---- */
 
-static pc_status add_triangle(making *m, pc_context *ctx, pc_index e, pc_index a, pc_index b, pc_index c) {
+static pc_status add_triangle(making *m, pc_context *ctx, pc_index e, const spot *a, const spot *b,
+                              const spot *c) {
+    const spot *const corner[3] = {a, b, c};
     pc_status status = PC_OK;
     pc_skin *f = m->skin;
     size_t count = f->mesh.face_count;
     if (count == f->triangle_room) {
         PC_TRY(pc_resize(&f->mesh.triangle, ctx, 3 * (2 * count + 1024)));
         PC_TRY(pc_resize(&f->element, ctx, 2 * count + 1024));
+        PC_TRY(pc_resize(&f->corner, ctx, 6 * (2 * count + 1024)));
         f->triangle_room = 2 * count + 1024;
     }
-    f->mesh.triangle[3 * count] = a, f->mesh.triangle[3 * count + 1] = b, f->mesh.triangle[3 * count + 2] = c;
+    for (size_t k = 0; k < 3; k++) {
+        f->mesh.triangle[3 * count + k] = corner[k]->vertex;
+        memcpy(f->corner + 6 * count + 2 * k, corner[k]->at, sizeof corner[k]->at);
+    }
     f->element[count] = e;
     f->mesh.face_count++;
 done:
@@ -278,7 +285,7 @@ static pc_status add_to_rim(making *m, pc_context *ctx, const double from[2], co
         if (back ? i->at[d] > from[d] || i->at[d] < to[d] : i->at[d] < from[d] || i->at[d] > to[d]) continue;
         PC_GROW(m->rim, m->rim_count, m->rim_room, 1);
         if (back) memmove(m->rim + first + 1, m->rim + first, (m->rim_count - first) * sizeof *m->rim);
-        m->rim[back ? first : m->rim_count] = i->vertex;
+        m->rim[back ? first : m->rim_count] = *i;
         m->rim_count++;
     }
 done:
@@ -287,20 +294,19 @@ done:
 
 static pc_status fill_rim(making *m, pc_context *ctx, pc_index e, const double low[2], const double high[2]) {
     pc_status status = PC_OK;
-    const pc_index *r = m->rim;
+    const spot *r = m->rim;
     const double *p = m->skin->mesh.position;
     if (m->rim_count == 4) {
-        double one = pc_distance(pc_vec3_at(p, r[0]), pc_vec3_at(p, r[2]));
-        double two = pc_distance(pc_vec3_at(p, r[1]), pc_vec3_at(p, r[3]));
+        double one = pc_distance(pc_vec3_at(p, r[0].vertex), pc_vec3_at(p, r[2].vertex));
+        double two = pc_distance(pc_vec3_at(p, r[1].vertex), pc_vec3_at(p, r[3].vertex));
         int k = two < one;
-        PC_TRY(add_triangle(m, ctx, e, r[k], r[k + 1], r[k + 2]));
-        return add_triangle(m, ctx, e, r[k], r[k + 2], r[(k + 3) & 3]);
+        PC_TRY(add_triangle(m, ctx, e, r + k, r + k + 1, r + k + 2));
+        return add_triangle(m, ctx, e, r + k, r + k + 2, r + ((k + 3) & 3));
     }
-    pc_index centre;
-    PC_TRY(
-        add_vertex(m, ctx, (pc_surface_place){e, (low[0] + high[0]) / 2, (low[1] + high[1]) / 2}, &centre));
+    spot centre = {{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2}, PC_NONE};
+    PC_TRY(add_vertex(m, ctx, (pc_surface_place){e, centre.at[0], centre.at[1]}, &centre.vertex));
     for (size_t i = 0; i < m->rim_count; i++)
-        PC_TRY(add_triangle(m, ctx, e, centre, r[i], r[i + 1 == m->rim_count ? 0 : i + 1]));
+        PC_TRY(add_triangle(m, ctx, e, &centre, r + i, r + (i + 1 == m->rim_count ? 0 : i + 1)));
 done:
     return status;
 }

@@ -10,7 +10,8 @@ typedef struct pc_skin {
     pc_mesh mesh;            /* vertices on the surface; triangles in the order of the elements */
     double *normal;          /* 3 per vertex, unit; zero where the surface has none */
     pc_surface_place *place; /* per vertex: one of the places that it stands at */
-    pc_index *element;       /* per triangle: the element that it lies on */
+    pc_index *element;       /* per triangle, ascending: the element that it lies on */
+    double *corner;          /* 6 per triangle: (s, t) of its corners in the frame of the element's face */
     size_t place_room, triangle_room;
 } pc_skin;
 
