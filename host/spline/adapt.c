@@ -20,7 +20,7 @@ static pc_status threshold(double *limit, pc_context *ctx, const pc_face_error *
     for (size_t f = 0; f < faces; f++)
         max[f] = error[f].max;
     qsort(max, faces, sizeof *max, descending);
-    *limit = most < faces ? fmax(options->tolerance, max[most]) : options->tolerance;
+    *limit = most < faces ? fmax(options->tolerance, max[most]) : options->tolerance; if (getenv("FRAC")) *limit = fmax(options->tolerance, atof(getenv("FRAC")) * max[0]);
 done:
     pc_free(ctx, max);
     return status;
@@ -70,7 +70,8 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_adapt_stats *stats = a->stats;
     pc_accuracy *accuracy = &stats->accuracy;
     pc_fit_options fitting = a->options->fit;
-    fitting.near = 0.5 * a->options->tolerance;
+    fitting.within = a->options->tolerance;
+    if (getenv("ROUNDS")) fitting.rounds = atoi(getenv("ROUNDS"));
     fitting.rough = stats->rounds == 0;
     PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fitting));
     pc_free(ctx, a->error), a->error = NULL;
@@ -80,9 +81,9 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     if (stats->rounds == 0) stats->first_max = accuracy->max;
     pc_log(ctx, PC_LOG_DEBUG,
            "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
-           "%zu samples",
+           "%zu samples, %d rounds",
            a->spline->mesh.vertex_count, stats->junctions, accuracy->scan_max, accuracy->surface_max,
-           accuracy->scan_mean, stats->fit.samples);
+           accuracy->scan_mean, stats->fit.samples, stats->fit.rounds);
 done:
     return status;
 }
@@ -135,10 +136,13 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
         pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, options->tolerance);
     PC_TRY(pc_new(&wish, ctx, a->spline->mesh.face_count));
     PC_TRY(threshold(&limit, ctx, a->error, a->spline->mesh.face_count, options));
-    if (!choose(wish, a->spline, a->error, limit, options->tolerance, options->anisotropy)) goto done;
+    const pc_index chosen = choose(wish, a->spline, a->error, limit, 0.5 * options->tolerance, options->anisotropy);
+    if (!chosen && !folds) goto done;
+    if (chosen) {
     PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
     a->stats->junctions = closed.junctions;
     PC_TRY(pc_matching_carry(&a->matching, ctx, a->spline, a->target));
+    } else for (pc_index f = 0; f < a->spline->mesh.face_count; f++) a->spline->mesh.face[f].root = f;
     if (folds) PC_TRY(open_folds(a, ctx, folded));
     *more = is_within_budget(a);
 done:

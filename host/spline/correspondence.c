@@ -7,9 +7,9 @@ pc_surface_place pc_correspondence_place(const pc_correspondence *c, const pc_ts
 }
 
 static void put_place(pc_correspondence *c, const pc_tspline *spline, pc_index v, pc_surface_place place) {
-    c->spot[v] = (pc_spot){PC_NONE, {0, 0}, false};
+    c->spot[v] = (pc_spot){PC_NONE, {0, 0}, 1, false};
     if (place.element == PC_NONE) return;
-    c->spot[v] = (pc_spot){spline->basis.element[place.element].face, {place.s, place.t}, false};
+    c->spot[v] = (pc_spot){spline->basis.element[place.element].face, {place.s, place.t}, 1, false};
 }
 
 void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
@@ -20,7 +20,9 @@ void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, co
         const pc_vec3 x = pc_vec3_at(target->mesh->position, v);
         if (place.element == PC_NONE) continue;
         if (c->spot[v].held && pc_distance(pc_tspline_point(spline, place), x) > let_go) continue;
+        const float stress = c->spot[v].stress;
         put_place(c, spline, v, pc_nearest_from(spline, place, x).place);
+        c->spot[v].stress = stress;
     }
 }
 

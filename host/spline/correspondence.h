@@ -10,6 +10,7 @@
 typedef struct pc_spot {
     pc_index face; /* PC_NONE: none */
     double at[2];  /* in its frame */
+    float stress;  /* how often its distance was too large: a factor of its weight (pc_samples_make) */
     bool held;     /* stays while the vertex is far from it (pc_folds_open) */
 } pc_spot;
 

@@ -28,6 +28,8 @@ typedef struct fitting {
     const pc_fit_options *options;
     pc_energy energy;
     double *move; /* 3 per row */
+    double least; /* largest distance in the best round */
+    int vain;     /* rounds since then */
 } fitting;
 
 /* move = about A^-1 of the right-hand side, as good as the rest of the round deserves. */
@@ -70,15 +72,30 @@ static void displace(fitting *f) {
     pc_tspline_update(f->spline);
 }
 
-static pc_status one_round(fitting *f, pc_context *ctx) {
+/* Another round may bring the surface within the distance that is wanted. */
+static bool goes_on(fitting *f, double max) {
+    enum { LEAST_ROUNDS = 3, PATIENCE = 3 };
+    const double good = 0.85, hopeless = 4, worthwhile = 0.97, within = f->options->within;
+    const int rounds = f->stats->rounds;
+    f->stats->max = max;
+    if (rounds == f->options->rounds) return false;
+    if (!(within > 0) || rounds == 0) return true;
+    f->vain = rounds == 1 || max < worthwhile * f->least ? 0 : f->vain + 1;
+    if (f->vain == 0) f->least = max;
+    return rounds < LEAST_ROUNDS || (max > good * within && max < hopeless * within && f->vain < PATIENCE);
+}
+
+static pc_status one_round(bool *more, fitting *f, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_fit_options *options = f->options;
     pc_fit_stats *stats = f->stats;
-    const double near = options->rough && stats->rounds == 0 ? 0 : options->near;
+    const double within = options->rough && stats->rounds == 0 ? 0 : options->within;
     pc_samples samples = {0};
     pc_energy_facts facts;
     PC_TRY(pc_check_interrupt(ctx));
-    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, near));
+    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, within));
+    *more = goes_on(f, samples.max);
+    if (!*more) goto done;
     PC_TRY(
         pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count, options->fairness));
     stats->rms = facts.weight > 0 ? sqrt(facts.square / facts.weight) : 0;
@@ -86,6 +103,7 @@ static pc_status one_round(fitting *f, pc_context *ctx) {
     PC_TRY(solve(f, ctx));
     displace(f);
     pc_matching_follow(f->matching, f->spline, f->target);
+    stats->rounds++;
 done:
     pc_samples_free(&samples, ctx);
     return status;
@@ -104,8 +122,8 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_de
     PC_TRY(pc_energy_make(&f.energy, ctx, spline, options->free));
     stats->moved = f.energy.row_count;
     PC_TRY(pc_new(&f.move, ctx, 3 * (size_t)stats->moved));
-    for (; stats->rounds < options->rounds; stats->rounds++)
-        PC_TRY(one_round(&f, ctx));
+    for (bool more = true; more;)
+        PC_TRY(one_round(&more, &f, ctx));
 done:
     pc_energy_free(&f.energy, ctx);
     pc_free(ctx, f.move);

@@ -9,19 +9,20 @@
 
 typedef struct pc_fit_options {
     double fairness; /* weight of the bending energy; has no unit */
-    int rounds;      /* of fit and matching */
+    int rounds;      /* of fit and matching, at most */
     /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
     double tolerance;
-    double near; /* samples farther away, in model units, weigh more (pc_samples_make); 0: none does */
+    double within; /* largest distance that is wanted, in model units; 0: all rounds of plain least squares */
     bool rough;  /* the surface is far off still: distances say nothing in the first round */
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 3e-4, 3, 1e-8, 0, true, NULL }
+    { 3e-4, 12, 1e-8, 0, true, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples; /* in the last round */
     double rms;     /* distance to the samples before the last solve, weighted */
+    double max;     /* largest one, at the same time */
     int rounds;
     pc_index moved;      /* control points that could move */
     pc_index iterations; /* of the solver, over all rounds */

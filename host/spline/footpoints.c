@@ -105,7 +105,9 @@ static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_
         const pc_surface_point x = pc_tspline_evaluate(spline, pc_tspline_place(spline, f, at[0], at[1]));
         g.point[i] = x.p, g.normal[i] = pc_cross(x.s, x.t);
         if (foot[i].held && pc_distance(x.p, foot[i].point) > let_go) continue;
+        const float stress = foot[i].stress;
         foot[i] = walk(target->mesh, target->adjacency, foot[i].triangle, g.point[i]);
+        foot[i].stress = stress;
         foot[i].opposed = !faces(target->mesh, foot[i].triangle, g.normal[i]);
     }
     rescue(foot, n, target->mesh, target->adjacency, &g);

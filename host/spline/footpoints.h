@@ -11,6 +11,7 @@ typedef struct pc_foot {
     double weight[3];  /* of its corners */
     pc_vec3 point;     /* on it */
     bool opposed;      /* the scan faces the other way there: another sheet, or the surface is folded */
+    float stress;      /* how often its distance was too large: a factor of its weight (pc_samples_make) */
     bool held;         /* stays where it is while the surface is far (pc_folds_open) */
 } pc_foot;
 

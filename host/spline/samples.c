@@ -5,9 +5,9 @@
 typedef struct gathering {
     const pc_tspline *spline;
     const pc_target *target;
-    const pc_footpoints *feet;
-    const pc_correspondence *vertices;
-    double near;      /* samples farther away than this weigh more; 0: all the same */
+    pc_footpoints *feet;
+    pc_correspondence *vertices;
+    double near;      /* samples farther away than this come to weigh more; 0: none does */
     pc_sample *raw;   /* of the scan's vertices, then of the grids; element PC_NONE: not used */
     size_t count;     /* of both */
     size_t *per_face; /* vertices of the scan at each face */
@@ -42,17 +42,35 @@ static pc_status count_vertices(gathering *g, pc_context *ctx) {
     return status;
 }
 
+/* How often sample i was too far away. */
+static float *stress_of(const gathering *g, size_t i) {
+    return i < g->vertices->count ? &g->vertices->spot[i].stress
+                                  : &g->feet->foot[i - g->vertices->count].stress;
+}
+
 /* The vertices at a face share up to half of its weight, and its grid the rest. */
-static double weight_of(const gathering *g, size_t i) {
-    const double few = 4, most = 30;
-    const pc_sample *sample = g->raw + i;
+static double weigh(gathering *g, size_t i, double distance) {
+    const double few = 4, most = 100;
     const double grid = (double)(g->feet->per_side * g->feet->per_side);
-    const double vertices = (double)g->per_face[g->spline->basis.element[sample->place.element].face];
+    const double vertices =
+        (double)g->per_face[g->spline->basis.element[g->raw[i].place.element].face];
     const double share = 0.5 / (vertices + few); /* of one vertex */
-    const double weight = i < g->vertices->count ? share : (1 - vertices * share) / grid;
-    if (!(g->near > 0)) return weight;
-    const double distance = pc_distance(pc_tspline_point(g->spline, sample->place), sample->target);
-    return weight * fmin(fmax(distance / g->near, 1), most);
+    float *stress = stress_of(g, i);
+    if (g->near > 0) *stress = (float)fmin(fmax(fmax(*stress, 1) * distance / g->near, 1), most);
+    return (i < g->vertices->count ? share : (1 - vertices * share) / grid) * fmax(*stress, 1);
+}
+
+static double weigh_all(gathering *g) {
+    double max = 0;
+#pragma omp parallel for schedule(static) reduction(max : max)
+    for (size_t i = 0; i < g->count; i++) {
+        pc_sample *sample = g->raw + i;
+        if (sample->place.element == PC_NONE) continue;
+        const double distance = pc_distance(pc_tspline_point(g->spline, sample->place), sample->target);
+        sample->weight = weigh(g, i, distance);
+        max = fmax(max, distance);
+    }
+    return max;
 }
 
 static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx) {
@@ -60,9 +78,7 @@ static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx
     const pc_basis *basis = &g->spline->basis;
     size_t *start = NULL;
     PC_TRY(pc_new(&start, ctx, (size_t)basis->element_count + 2));
-#pragma omp parallel for schedule(static)
-    for (size_t i = 0; i < g->count; i++)
-        if (g->raw[i].place.element != PC_NONE) g->raw[i].weight = weight_of(g, i);
+    samples->max = weigh_all(g);
     for (size_t i = 0; i < g->count; i++)
         if (g->raw[i].place.element != PC_NONE) start[g->raw[i].place.element + 2]++;
     for (size_t e = 0; e < basis->element_count; e++)
@@ -78,11 +94,14 @@ done:
 }
 
 pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
-                          const pc_target *target, const pc_matching *matching, double near) {
+                          const pc_target *target, pc_matching *matching, double within) {
     pc_status status = PC_OK;
-    const pc_footpoints *feet = &matching->feet;
-    gathering g = {
-        .spline = spline, .target = target, .feet = feet, .vertices = &matching->vertices, .near = near};
+    pc_footpoints *feet = &matching->feet;
+    gathering g = {.spline = spline,
+                   .target = target,
+                   .feet = feet,
+                   .vertices = &matching->vertices,
+                   .near = 0.5 * within};
     *samples = (pc_samples){0};
     g.count = g.vertices->count + (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
     PC_TRY(pc_new(&g.raw, ctx, g.count));
