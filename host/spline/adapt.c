@@ -4,26 +4,15 @@
 #include "memory.h"
 #include <stdlib.h>
 #include <string.h>
-
-static int descending(const void *x, const void *y) {
-    double a = *(const double *)x, b = *(const double *)y;
-    return (a < b) - (a > b);
-}
+#include <stdio.h>
 
 /* The error above which faces are refined now: others may profit from that. */
-static pc_status threshold(double *limit, pc_context *ctx, const pc_face_error *error, size_t faces,
-                           const pc_adapt_options *options) {
-    pc_status status = PC_OK;
-    double *max = NULL;
-    size_t most = (size_t)ceil(options->portion * (double)faces);
-    PC_TRY(pc_new(&max, ctx, faces));
+static double threshold(const pc_face_error *error, size_t faces, double tolerance) {
+    const double part = 0.5, most = 2; /* of the largest; of the tolerance */
+    double max = 0;
     for (size_t f = 0; f < faces; f++)
-        max[f] = error[f].max;
-    qsort(max, faces, sizeof *max, descending);
-    *limit = most < faces ? fmax(options->tolerance, max[most]) : options->tolerance; if (getenv("FRAC")) *limit = fmax(options->tolerance, atof(getenv("FRAC")) * max[0]);
-done:
-    pc_free(ctx, max);
-    return status;
+        max = fmax(max, error[f].max);
+    return fmax(tolerance, fmin(part * max, most * tolerance));
 }
 
 /* A face shorter than the tolerance cannot be off for want of control points. */
@@ -71,7 +60,6 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_accuracy *accuracy = &stats->accuracy;
     pc_fit_options fitting = a->options->fit;
     fitting.within = a->options->tolerance;
-    if (getenv("ROUNDS")) fitting.rounds = atoi(getenv("ROUNDS"));
     fitting.rough = stats->rounds == 0;
     PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fitting));
     pc_free(ctx, a->error), a->error = NULL;
@@ -129,13 +117,12 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     const pc_adapt_options *options = a->options;
     pc_closure_stats closed;
     uint8_t *wish = NULL, *folded = NULL;
-    double limit;
     *more = false;
     PC_TRY(pc_new(&folded, ctx, a->spline->mesh.face_count));
     const pc_index folds =
         pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, options->tolerance);
     PC_TRY(pc_new(&wish, ctx, a->spline->mesh.face_count));
-    PC_TRY(threshold(&limit, ctx, a->error, a->spline->mesh.face_count, options));
+    const double limit = threshold(a->error, a->spline->mesh.face_count, options->tolerance);
     const pc_index chosen = choose(wish, a->spline, a->error, limit, 0.5 * options->tolerance, options->anisotropy);
     if (!chosen && !folds) goto done;
     if (chosen) {
@@ -174,7 +161,7 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
             break;
         }
         PC_TRY(status);
-        if (stats->accuracy.max <= options->tolerance) goto done;
+        if (stats->accuracy.max <= options->tolerance) { pc_index n=0,m=0; for (pc_index f=0;f<spline->mesh.face_count;f++) { int k=0; if (!spline->mesh.face[f].ghost) for(int i=0;i<25;i++) k+=a.matching.feet.foot[25*(size_t)f+i].opposed; n+=k>0; m+=k;} fprintf(stderr,"folds left: %u faces %u feet\n",n,m); goto done; }
         PC_TRY(remember(&a, ctx));
         if (stats->rounds == options->max_rounds || a.vain == options->patience || !is_within_budget(&a))
             break;

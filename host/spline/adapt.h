@@ -14,12 +14,11 @@ typedef struct pc_adapt_options {
     int patience;        /* rounds that may pass without an error smaller by a few percent */
     int per_side;        /* samples per side of a face where distances are measured */
     int feet;            /* foot points along the side of a face that the fit gets */
-    double portion;      /* of the faces that are refined in one round at most, the worst ones */
     double anisotropy;   /* halve in one direction only where the residual changes this much more along it */
     pc_fit_options fit;
 } pc_adapt_options;
 #define PC_ADAPT_DEFAULTS                                                                                    \
-    { 0, 0, 20, 3, 6, 5, 0.2, 2, PC_FIT_DEFAULTS }
+    { 0, 0, 20, 3, 6, 5, 2, PC_FIT_DEFAULTS }
 
 typedef struct pc_adapt_stats {
     int rounds;

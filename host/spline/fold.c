@@ -39,14 +39,21 @@ static double spot_distance(const pc_matching *matching, const pc_tspline *splin
     return pc_distance(pc_tspline_point(spline, place), pc_vec3_at(target->mesh->position, v));
 }
 
+/* The surface faces the other way at the place of vertex v. */
+static bool is_opposed(const pc_matching *matching, const pc_tspline *spline, const pc_target *target,
+                       pc_index v) {
+    const pc_surface_place place = pc_correspondence_place(&matching->vertices, spline, v);
+    if (place.element == PC_NONE) return false;
+    const pc_surface_point x = pc_tspline_evaluate(spline, place);
+    return pc_dot(pc_cross(x.s, x.t), pc_vec3_at(target->normal, v)) < 0;
+}
+
 pc_index pc_folds_find(uint8_t *folded, const pc_tspline *spline, const pc_target *target,
                        const pc_matching *matching, const pc_face_error *error, double tolerance) {
-    const double far = 2;
     pc_index count = 0;
     memset(folded, 0, spline->mesh.face_count);
     for (pc_index v = 0; v < matching->vertices.count; v++)
-        if (spot_distance(matching, spline, target, v) > far * tolerance)
-            folded[matching->vertices.spot[v].face] = 1;
+        if (is_opposed(matching, spline, target, v)) folded[matching->vertices.spot[v].face] = 1;
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
         folded[f] = !spline->mesh.face[f].ghost && error[f].max > tolerance &&
                     (folded[f] || has_bad_feet(&matching->feet, spline, f));
@@ -70,7 +77,7 @@ typedef struct opening {
     uint8_t *known;                     /* per vertex of the scan: near its place */
     pc_index *group;                    /* per face: of which group of folded faces, PC_NONE */
     uint8_t *ring;                      /* per face: steps from the group at hand; FAR */
-    uint8_t last;                       /* the outermost ring, which is there to be relied on */
+    uint8_t last;                       /* the outermost ring */
     pc_disk above, below;               /* of the skin and of the scan */
 } opening;
 
@@ -143,13 +150,18 @@ done:
     return status;
 }
 
+/* Of the outer faces of the disk, which are there to be relied on. */
+static bool is_outer(const opening *o, pc_index f) {
+    return o->ring[f] != FAR && o->ring[f] + 1 + o->last / 4 >= o->last;
+}
+
 /* The rim of what is below lies under the outermost faces, or on the border of the scan. */
 static bool rims_agree(const opening *o) {
     for (pc_index i = 0; i < o->below.loop_count; i++) {
         const pc_index v = o->below.vertex[o->below.loop[i]];
         const pc_index f = o->matching->vertices.spot[v].face;
         if (o->target->adjacency->vertex_boundary[v]) continue;
-        if (!o->known[v] || o->ring[f] == FAR || o->ring[f] + 1 < o->last) return false;
+        if (!o->known[v] || !is_outer(o, f)) return false;
     }
     return true;
 }
@@ -294,7 +306,7 @@ static void match_vertex(opening *o, pc_index local) {
     const pc_index t = o->above.triangle[hit.face];
     const double *corner = o->skin.corner + 6 * (size_t)t;
     pc_spot spot = {.face = o->spline->basis.element[o->skin.element[t]].face, .held = true};
-    if (o->ring[spot.face] == o->last) return;
+    if (is_outer(o, spot.face) && o->ring[spot.face] > 1) return;
     for (size_t k = 0; k < 3; k++)
         for (size_t d = 0; d < 2; d++)
             spot.at[d] += hit.weight[k] * corner[2 * k + d];
@@ -313,7 +325,7 @@ static pc_status try_disk(bool *done_, opening *o, pc_context *ctx) {
     for (pc_index i = 0; i < o->above.mesh.face_count; i++) {
         const pc_index t = o->above.triangle[i];
         const pc_index f = o->spline->basis.element[o->skin.element[t]].face;
-        if (o->ring[f] != o->last && t == first_on_face(o, f)) match_feet(o, f);
+        if ((!is_outer(o, f) || o->ring[f] <= 1) && t == first_on_face(o, f)) match_feet(o, f);
     }
     for (pc_index v = 0; v < o->below.mesh.vertex_count; v++)
         if (!o->below.adjacency.vertex_boundary[v] ||
@@ -338,7 +350,7 @@ static void find_known(opening *o) {
 
 pc_status pc_folds_open(pc_matching *matching, pc_index *opened, pc_context *ctx, const pc_tspline *spline,
                         const pc_target *target, const uint8_t *folded, double tolerance) {
-    enum { STEPS = 4, FIRST_RING = 2, MOST_RINGS = 7 };
+    enum { STEPS = 4, FIRST_RING = 2, MOST_RINGS = 24 };
     pc_status status = PC_OK;
     opening o = {.matching = matching, .spline = spline, .target = target, .tolerance = tolerance};
     pc_index count = 0;
@@ -357,7 +369,8 @@ pc_status pc_folds_open(pc_matching *matching, pc_index *opened, pc_context *ctx
         while (!found && o.last < MOST_RINGS) {
             PC_TRY(pc_check_interrupt(ctx));
             add_ring(&o);
-            if (o.last >= FIRST_RING) PC_TRY(try_disk(&found, &o, ctx));
+            if (o.last < FIRST_RING || (o.last > 6 && o.last % 2) || (o.last > 12 && o.last % 4)) continue;
+            PC_TRY(try_disk(&found, &o, ctx));
         }
         count += found;
     }
