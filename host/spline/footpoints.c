@@ -40,22 +40,31 @@ static double try_triangle(pc_foot *best, double least, const pc_mesh *mesh, pc_
     return square;
 }
 
-/* From a triangle downhill to the nearest point of the mesh, over all triangles that touch the present one.
- */
+/* All triangles around the tail of half-edge h but its own. */
+static double try_fan(pc_foot *best, double least, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                      pc_index h, pc_vec3 p) {
+    const pc_index first = adjacency->vertex_half[pc_tail(mesh, h)];
+    pc_index g = first;
+    do {
+        if (g / 3 != h / 3) least = try_triangle(best, least, mesh, g / 3, p);
+        g = pc_turn_ccw(adjacency, g);
+    } while (g != first && g != PC_NONE);
+    return least;
+}
+
+/* From a triangle downhill to a nearest point of the mesh: while that is on a corner or an edge of the
+ * present triangle, over all that touch it there or at the ends of the edge. */
 static pc_foot walk(const pc_mesh *mesh, const pc_adjacency *adjacency, pc_index from, pc_vec3 p) {
     enum { MOST_STEPS = 200 };
     pc_foot best = {.triangle = from};
     double least = try_triangle(&best, INFINITY, mesh, from, p);
     for (int i = 0; i < MOST_STEPS; i++) {
-        const pc_index here = best.triangle;
-        for (pc_index k = 0; k < 3; k++) {
-            pc_index first = adjacency->vertex_half[mesh->triangle[3 * here + k]], h = first;
-            do {
-                if (h / 3 != here) least = try_triangle(&best, least, mesh, h / 3, p);
-                h = pc_turn_ccw(adjacency, h);
-            } while (h != first && h != PC_NONE);
-        }
-        if (best.triangle == here) break;
+        const pc_foot here = best;
+        if (here.weight[0] > 0 && here.weight[1] > 0 && here.weight[2] > 0) break;
+        for (pc_index k = 0; k < 3; k++)
+            if (here.weight[k] > 0)
+                least = try_fan(&best, least, mesh, adjacency, 3 * here.triangle + k, p);
+        if (best.triangle == here.triangle) break;
     }
     best.point = pc_footpoints_point(mesh, &best);
     return best;
