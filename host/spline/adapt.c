@@ -2,9 +2,9 @@
 #include "fold.h"
 #include "insertion.h"
 #include "memory.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <stdio.h>
 
 /* The error above which faces are refined now: others may profit from that. */
 static double threshold(const pc_face_error *error, size_t faces, double tolerance) {
@@ -15,7 +15,7 @@ static double threshold(const pc_face_error *error, size_t faces, double toleran
     return fmax(tolerance, fmin(part * max, most * tolerance));
 }
 
-/* A face shorter than the tolerance cannot be off for want of control points. */
+/* A face shorter than that cannot be off for want of control points. */
 static bool is_small(const pc_tspline *spline, pc_index f, double least) {
     const double *size = spline->mesh.face[f].size;
     pc_vec3 corner[4];
@@ -97,55 +97,81 @@ done:
     return status;
 }
 
-/* `folded`: faces of the mesh before refinement. */
-static pc_status open_folds(adapting *a, pc_context *ctx, const uint8_t *folded) {
+/* What is folded is matched anew; `folded` is about the mesh before refinement where that was `refined`. */
+static pc_status open_folds(adapting *a, pc_context *ctx, const uint8_t *folded, bool refined) {
     pc_status status = PC_OK;
     const pc_tmesh *mesh = &a->spline->mesh;
     uint8_t *now = NULL;
     PC_TRY(pc_new(&now, ctx, mesh->face_count));
     for (pc_index f = 0; f < mesh->face_count; f++)
-        now[f] = !mesh->face[f].ghost && folded[mesh->face[f].root];
+        now[f] = !mesh->face[f].ghost && folded[refined ? mesh->face[f].root : f];
     PC_TRY(pc_folds_open(&a->matching, NULL, ctx, a->spline, a->target, now, a->options->tolerance));
 done:
     pc_free(ctx, now);
     return status;
 }
 
-/* `more` is false where there is nothing to refine, or that took more control points than allowed. */
+/* `more` is false where there is nothing to refine and no fold, or refinement took more control points than
+ * allowed. */
 static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_adapt_options *options = a->options;
+    const pc_index faces = a->spline->mesh.face_count;
     pc_closure_stats closed;
     uint8_t *wish = NULL, *folded = NULL;
     *more = false;
-    PC_TRY(pc_new(&folded, ctx, a->spline->mesh.face_count));
+    PC_TRY(pc_new(&folded, ctx, faces));
+    PC_TRY(pc_new(&wish, ctx, faces));
     const pc_index folds =
         pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, options->tolerance);
-    PC_TRY(pc_new(&wish, ctx, a->spline->mesh.face_count));
-    const double limit = threshold(a->error, a->spline->mesh.face_count, options->tolerance);
-    const pc_index chosen = choose(wish, a->spline, a->error, limit, 0.5 * options->tolerance, options->anisotropy);
-    if (!chosen && !folds) goto done;
+    const pc_index chosen = choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
+                                   0.5 * options->tolerance, options->anisotropy);
     if (chosen) {
-    PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
-    a->stats->junctions = closed.junctions;
-    PC_TRY(pc_matching_carry(&a->matching, ctx, a->spline, a->target));
-    } else for (pc_index f = 0; f < a->spline->mesh.face_count; f++) a->spline->mesh.face[f].root = f;
-    if (folds) PC_TRY(open_folds(a, ctx, folded));
-    *more = is_within_budget(a);
+        PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
+        a->stats->junctions = closed.junctions;
+        PC_TRY(pc_matching_carry(&a->matching, ctx, a->spline, a->target));
+    }
+    if (folds) PC_TRY(open_folds(a, ctx, folded, chosen > 0));
+    *more = chosen + folds > 0 && is_within_budget(a);
 done:
     pc_free(ctx, wish);
     pc_free(ctx, folded);
     return status;
 }
 
-static pc_status go_back(adapting *a, pc_context *ctx) {
+static pc_status take_best(adapting *a, pc_context *ctx) {
     pc_tspline_free(a->spline, ctx);
     *a->spline = a->best, a->best = (pc_tspline){0};
     *a->stats = a->best_stats;
-    pc_status status = pc_tspline_complete(a->spline, ctx);
+    return pc_tspline_complete(a->spline, ctx);
+}
+
+static pc_status go_back(adapting *a, pc_context *ctx) {
+    pc_status status = take_best(a, ctx);
     if (status != PC_OK) return status;
     return pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
                    a->spline->mesh.vertex_count, a->stats->accuracy.max, a->options->tolerance);
+}
+
+/* Folds that are within the tolerance: one more fit, kept if it is within the tolerance as well and has
+ * fewer. */
+static pc_status polish(adapting *a, pc_context *ctx, pc_device *device) {
+    pc_status status = PC_OK;
+    const double tolerance = a->options->tolerance;
+    const pc_index faces = a->spline->mesh.face_count;
+    uint8_t *folded = NULL;
+    PC_TRY(pc_new(&folded, ctx, faces));
+    const pc_index before = pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance);
+    if (!before) goto done;
+    pc_tspline_free(&a->best, ctx);
+    PC_TRY(remember(a, ctx));
+    PC_TRY(open_folds(a, ctx, folded, false));
+    PC_TRY(fit(a, ctx, device));
+    const pc_index after = pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance);
+    if (a->stats->accuracy.max > tolerance || after >= before) PC_TRY(take_best(a, ctx));
+done:
+    pc_free(ctx, folded);
+    return status;
 }
 
 pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, pc_device *device,
@@ -161,7 +187,10 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
             break;
         }
         PC_TRY(status);
-        if (stats->accuracy.max <= options->tolerance) { pc_index n=0,m=0; for (pc_index f=0;f<spline->mesh.face_count;f++) { int k=0; if (!spline->mesh.face[f].ghost) for(int i=0;i<25;i++) k+=a.matching.feet.foot[25*(size_t)f+i].opposed; n+=k>0; m+=k;} fprintf(stderr,"folds left: %u faces %u feet\n",n,m); goto done; }
+        if (stats->accuracy.max <= options->tolerance) {
+            status = polish(&a, ctx, device);
+            goto done;
+        }
         PC_TRY(remember(&a, ctx));
         if (stats->rounds == options->max_rounds || a.vain == options->patience || !is_within_budget(&a))
             break;

@@ -19,9 +19,10 @@ void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, co
         const pc_surface_place place = pc_correspondence_place(c, spline, v);
         const pc_vec3 x = pc_vec3_at(target->mesh->position, v);
         if (place.element == PC_NONE) continue;
-        if (c->spot[v].held && pc_distance(pc_tspline_point(spline, place), x) > let_go) continue;
+        const pc_nearest next = pc_nearest_from(spline, place, x);
+        if (c->spot[v].held && !(next.distance < let_go)) continue;
         const float stress = c->spot[v].stress;
-        put_place(c, spline, v, pc_nearest_from(spline, place, x).place);
+        put_place(c, spline, v, next.place);
         c->spot[v].stress = stress;
     }
 }

@@ -13,7 +13,7 @@ typedef struct pc_fit_options {
     /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
     double tolerance;
     double within; /* largest distance that is wanted, in model units; 0: all rounds of plain least squares */
-    bool rough;  /* the surface is far off still: distances say nothing in the first round */
+    bool rough;    /* the surface is far off still: distances say nothing in the first round */
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \

@@ -13,18 +13,19 @@ static bool is_torn(const pc_footpoints *feet, const pc_vec3 *point, pc_index f,
     return pc_distance(foot[i].point, foot[j].point) > most_stretch * pc_distance(point[i], point[j]);
 }
 
-static bool has_bad_feet(const pc_footpoints *feet, const pc_tspline *spline, pc_index f) {
+static bool has_bad_feet(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, bool torn) {
     enum { MOST_PER_SIDE = 16 };
     pc_vec3 point[MOST_PER_SIDE * MOST_PER_SIDE];
     const int n = feet->per_side;
     const pc_foot *foot = feet->foot + (size_t)f * (size_t)(n * n);
     for (int i = 0; i < n * n; i++) {
         double at[2];
-        if (foot[i].opposed || foot[i].held) return true;
+        if (foot[i].opposed || (torn && foot[i].held)) return true;
+        if (!torn) continue;
         pc_footpoints_at(at, feet, f, i);
         point[i] = pc_tspline_point(spline, pc_tspline_place(spline, f, at[0], at[1]));
     }
-    for (int i = 0; i < n * n; i++) {
+    for (int i = 0; torn && i < n * n; i++) {
         if ((i + 1) % n && is_torn(feet, point, f, i, i + 1)) return true;
         if (i + n < n * n && is_torn(feet, point, f, i, i + n)) return true;
     }
@@ -55,8 +56,8 @@ pc_index pc_folds_find(uint8_t *folded, const pc_tspline *spline, const pc_targe
     for (pc_index v = 0; v < matching->vertices.count; v++)
         if (is_opposed(matching, spline, target, v)) folded[matching->vertices.spot[v].face] = 1;
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
-        folded[f] = !spline->mesh.face[f].ghost && error[f].max > tolerance &&
-                    (folded[f] || has_bad_feet(&matching->feet, spline, f));
+        folded[f] = !spline->mesh.face[f].ghost && (!error || error[f].max > tolerance) &&
+                    (folded[f] || has_bad_feet(&matching->feet, spline, f, error != NULL));
         count += folded[f];
     }
     return count;

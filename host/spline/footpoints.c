@@ -62,8 +62,7 @@ static pc_foot walk(const pc_mesh *mesh, const pc_adjacency *adjacency, pc_index
         const pc_foot here = best;
         if (here.weight[0] > 0 && here.weight[1] > 0 && here.weight[2] > 0) break;
         for (pc_index k = 0; k < 3; k++)
-            if (here.weight[k] > 0)
-                least = try_fan(&best, least, mesh, adjacency, 3 * here.triangle + k, p);
+            if (here.weight[k] > 0) least = try_fan(&best, least, mesh, adjacency, 3 * here.triangle + k, p);
         if (best.triangle == here.triangle) break;
     }
     best.point = pc_footpoints_point(mesh, &best);
@@ -113,11 +112,10 @@ static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_
         pc_footpoints_at(at, feet, f, i);
         const pc_surface_point x = pc_tspline_evaluate(spline, pc_tspline_place(spline, f, at[0], at[1]));
         g.point[i] = x.p, g.normal[i] = pc_cross(x.s, x.t);
-        if (foot[i].held && pc_distance(x.p, foot[i].point) > let_go) continue;
-        const float stress = foot[i].stress;
-        foot[i] = walk(target->mesh, target->adjacency, foot[i].triangle, g.point[i]);
-        foot[i].stress = stress;
-        foot[i].opposed = !faces(target->mesh, foot[i].triangle, g.normal[i]);
+        pc_foot next = walk(target->mesh, target->adjacency, foot[i].triangle, x.p);
+        next.opposed = !faces(target->mesh, next.triangle, g.normal[i]);
+        next.stress = foot[i].stress;
+        if (!foot[i].held || (!next.opposed && pc_distance(x.p, next.point) < let_go)) foot[i] = next;
     }
     rescue(foot, n, target->mesh, target->adjacency, &g);
 }

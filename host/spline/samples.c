@@ -52,8 +52,7 @@ static float *stress_of(const gathering *g, size_t i) {
 static double weigh(gathering *g, size_t i, double distance) {
     const double few = 4, most = 100;
     const double grid = (double)(g->feet->per_side * g->feet->per_side);
-    const double vertices =
-        (double)g->per_face[g->spline->basis.element[g->raw[i].place.element].face];
+    const double vertices = (double)g->per_face[g->spline->basis.element[g->raw[i].place.element].face];
     const double share = 0.5 / (vertices + few); /* of one vertex */
     float *stress = stress_of(g, i);
     if (g->near > 0) *stress = (float)fmin(fmax(fmax(*stress, 1) * distance / g->near, 1), most);
