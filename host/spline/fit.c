@@ -72,17 +72,20 @@ static void displace(fitting *f) {
     pc_tspline_update(f->spline);
 }
 
-/* Another round may bring the surface within the distance that is wanted. */
+/* Another round may bring the surface within the distance that is wanted: much is tried where little is
+ * missing, because what refinement adds is more than that. */
 static bool goes_on(fitting *f, double max) {
-    enum { LEAST_ROUNDS = 3, PATIENCE = 3 };
-    const double good = 0.85, hopeless = 4, worthwhile = 0.97, within = f->options->within;
+    enum { LEAST_ROUNDS = 3, PATIENCE = 3, LONG_PATIENCE = 8 };
+    const double good = 0.85, close = 2, hopeless = 4, worthwhile = 0.97, within = f->options->within;
     const int rounds = f->stats->rounds;
     f->stats->max = max;
     if (rounds == f->options->rounds) return false;
     if (!(within > 0) || rounds == 0) return true;
     f->vain = rounds == 1 || max < worthwhile * f->least ? 0 : f->vain + 1;
     if (f->vain == 0) f->least = max;
-    return rounds < LEAST_ROUNDS || (max > good * within && max < hopeless * within && f->vain < PATIENCE);
+    if (rounds < LEAST_ROUNDS) return true;
+    if (max <= good * within || max >= hopeless * within) return false;
+    return f->vain < (f->least < close * within ? LONG_PATIENCE : PATIENCE);
 }
 
 static pc_status one_round(bool *more, fitting *f, pc_context *ctx) {

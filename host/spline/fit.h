@@ -17,7 +17,7 @@ typedef struct pc_fit_options {
     const uint8_t *free; /* per control point: it may move (NULL: all) */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 3e-4, 12, 1e-8, 0, true, NULL }
+    { 3e-4, 30, 1e-8, 0, true, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples; /* in the last round */
