@@ -2,8 +2,6 @@
 #include "fold.h"
 #include "insertion.h"
 #include "memory.h"
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The error above which faces are refined now: others may profit from that. */
@@ -52,6 +50,7 @@ typedef struct adapting {
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
     int vain; /* rounds since it became much better */
+    bool fitted;
 } adapting;
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
@@ -60,13 +59,14 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_accuracy *accuracy = &stats->accuracy;
     pc_fit_options fitting = a->options->fit;
     fitting.within = a->options->tolerance;
-    fitting.rough = stats->rounds == 0;
+    fitting.rough = !a->fitted;
     PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fitting));
     pc_free(ctx, a->error), a->error = NULL;
     PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
     PC_TRY(pc_accuracy_measure(accuracy, a->error, ctx, a->spline, a->target, &a->matching.vertices,
                                a->options->per_side));
-    if (stats->rounds == 0) stats->first_max = accuracy->max;
+    if (!a->fitted) stats->first_max = accuracy->max;
+    a->fitted = true;
     pc_log(ctx, PC_LOG_DEBUG,
            "spline: %u control points, %u T-junctions, max %g to the surface, %g to the scan, mean %g; "
            "%zu samples, %d rounds",
@@ -166,9 +166,11 @@ static pc_status polish(adapting *a, pc_context *ctx, pc_device *device) {
     pc_tspline_free(&a->best, ctx);
     PC_TRY(remember(a, ctx));
     PC_TRY(open_folds(a, ctx, folded, false));
-    PC_TRY(fit(a, ctx, device));
-    const pc_index after = pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance);
-    if (a->stats->accuracy.max > tolerance || after >= before) PC_TRY(take_best(a, ctx));
+    status = fit(a, ctx, device);
+    if (status != PC_OK && status != PC_E_NOCONV) goto done;
+    const bool better = status == PC_OK && a->stats->accuracy.max <= tolerance &&
+                        pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance) < before;
+    if (!better) pc_context_clear_message(ctx), status = take_best(a, ctx);
 done:
     pc_free(ctx, folded);
     return status;

@@ -307,7 +307,6 @@ static void match_vertex(opening *o, pc_index local) {
     const pc_index t = o->above.triangle[hit.face];
     const double *corner = o->skin.corner + 6 * (size_t)t;
     pc_spot spot = {.face = o->spline->basis.element[o->skin.element[t]].face, .held = true};
-    if (is_outer(o, spot.face) && o->ring[spot.face] > 1) return;
     for (size_t k = 0; k < 3; k++)
         for (size_t d = 0; d < 2; d++)
             spot.at[d] += hit.weight[k] * corner[2 * k + d];
@@ -326,7 +325,7 @@ static pc_status try_disk(bool *done_, opening *o, pc_context *ctx) {
     for (pc_index i = 0; i < o->above.mesh.face_count; i++) {
         const pc_index t = o->above.triangle[i];
         const pc_index f = o->spline->basis.element[o->skin.element[t]].face;
-        if ((!is_outer(o, f) || o->ring[f] <= 1) && t == first_on_face(o, f)) match_feet(o, f);
+        if (t == first_on_face(o, f)) match_feet(o, f);
     }
     for (pc_index v = 0; v < o->below.mesh.vertex_count; v++)
         if (!o->below.adjacency.vertex_boundary[v] ||
