@@ -50,7 +50,7 @@ typedef struct adapting {
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
     int vain; /* rounds since it became much better */
-    bool fitted;
+    bool fitted, opened;
 } adapting;
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
@@ -124,7 +124,8 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     PC_TRY(pc_new(&wish, ctx, faces));
     const pc_index folds =
         pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, options->tolerance);
-    const pc_index chosen = choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
+    a->opened = folds && !a->opened;
+    const pc_index chosen = a->opened ? 0 : choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
                                    0.5 * options->tolerance, options->anisotropy);
     if (chosen) {
         PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
