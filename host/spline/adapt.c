@@ -125,8 +125,10 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     const pc_index folds =
         pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, options->tolerance);
     a->opened = folds && !a->opened;
-    const pc_index chosen = a->opened ? 0 : choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
-                                   0.5 * options->tolerance, options->anisotropy);
+    const pc_index chosen =
+        a->opened ? 0
+                  : choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
+                           0.5 * options->tolerance, options->anisotropy);
     if (chosen) {
         PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
         a->stats->junctions = closed.junctions;

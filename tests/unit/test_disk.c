@@ -1,4 +1,5 @@
-/* Parts of meshes laid flat: no triangle turns over, holes are filled, and what is no disk is said to be none. */
+/* Parts of meshes laid flat: no triangle turns over, holes are filled, and what is no disk is said to be
+ * none. */
 #include "disk.h"
 #include "memory.h"
 #include "random.h"
