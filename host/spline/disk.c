@@ -93,7 +93,8 @@ static pc_status close_part(pc_index *size, pc_context *ctx, const pc_mesh *mesh
                             const pc_adjacency *adjacency, uint8_t *inside) {
     enum { MOST_ROUNDS = 10 };
     pc_status status = PC_OK;
-    closing c = {.mesh = mesh, .adjacency = adjacency, .inside = inside};
+    closing c = {.mesh = mesh, .adjacency = adjacency};
+    c.inside = inside;
     *size = 0;
     PC_TRY(pc_new(&c.mark, ctx, mesh->face_count));
     PC_TRY(pc_new(&c.list, ctx, mesh->face_count));

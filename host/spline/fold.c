@@ -211,6 +211,7 @@ static pc_index first_on_face(const opening *o, pc_index f) {
 static bool flat_place(pc_vec3 *flat, const opening *o, pc_index f, const double at[2]) {
     const pc_vec3 p = {at[0], at[1], 0};
     double least = INFINITY;
+    *flat = (pc_vec3){0, 0, 0};
     for (pc_index t = first_on_face(o, f); t < o->skin.mesh.face_count; t++) {
         const double *c = o->skin.corner + 6 * (size_t)t;
         const pc_index part = pc_disk_find(&o->above, t);
@@ -238,7 +239,7 @@ static bool find_angles(double *angle, double *reached, const opening *o, const 
     const pc_index n = disk->loop_count;
     double before = 0, turned = 0, least = INFINITY;
     for (pc_index i = 0; i <= n; i++) {
-        const pc_spot *spot = o->matching->vertices.spot + disk->vertex[disk->loop[i % n]];
+        const pc_spot *spot = o->matching->vertices.spot + disk->vertex[disk->loop[i < n ? i : 0]];
         pc_vec3 flat;
         if (!flat_place(&flat, o, spot->face, spot->at)) return false;
         const double now = atan2(flat.y, flat.x);
@@ -273,8 +274,9 @@ static pc_status lay_below(bool *laid, opening *o, pc_context *ctx) {
         length[h] = pc_distance(pc_vec3_at(disk->mesh.position, pc_tail(&disk->mesh, h)),
                                 pc_vec3_at(disk->mesh.position, pc_head(&disk->mesh, h)));
     for (pc_index i = 0; i < n; i++)
-        along[i + 1] = along[i] + pc_distance(pc_vec3_at(disk->mesh.position, disk->loop[i]),
-                                              pc_vec3_at(disk->mesh.position, disk->loop[(i + 1) % n]));
+        along[i + 1] =
+            along[i] + pc_distance(pc_vec3_at(disk->mesh.position, disk->loop[i]),
+                                   pc_vec3_at(disk->mesh.position, disk->loop[i + 1 < n ? i + 1 : 0]));
     if (!find_angles(angle, reached, o, along)) goto done;
     PC_TRY(pc_disk_lay(&o->below, ctx, angle, length));
     *laid = true;
