@@ -67,11 +67,6 @@ static pc_index slice_length(const copying *c, pc_index slice) {
     return longest;
 }
 
-/* Where number k of the block in a lane goes within a slice's entry. */
-PC_ALWAYS_INLINE size_t value_place(pc_block_form form, pc_index rows, pc_index lane, size_t k) {
-    return form == PC_FORM_SCALAR ? lane : 2 * (rows * (k / 2) + lane) + k % 2;
-}
-
 /* Arrays of one part, where the device is to find them. */
 typedef struct staged {
     pc_index *start;
@@ -173,7 +168,7 @@ PC_ALWAYS_INLINE void stage_entry(manner how, const copying *c, const staged *s,
     else
         ((pc_index *)s->column)[to * rows + lane] = column | turn << TURN_SHIFT;
     for (size_t u = 0; u < size; u++)
-        stage_number(how, s, to * rows * size + value_place(how.form, (pc_index)rows, lane, u),
+        stage_number(how, s, (to * rows + lane) * size + u,
                      padding ? 0 : unit * number_of(how, m, size * e + u));
 }
 
@@ -186,7 +181,7 @@ PC_ALWAYS_INLINE void stage_nothing(manner how, const copying *c, const staged *
     else
         ((pc_index *)s->column)[to * rows + lane] = 0;
     for (size_t u = 0; u < size; u++)
-        stage_number(how, s, to * rows * size + value_place(how.form, (pc_index)rows, lane, u), 0);
+        stage_number(how, s, (to * rows + lane) * size + u, 0);
 }
 
 PC_ALWAYS_INLINE void stage_slice(manner how, const copying *c, const staged *s, pc_index first, pc_index k) {
