@@ -9,6 +9,7 @@
  * slice, which follows the starts, else 32 bits and from 0. Sums are in units of 2^(exponent - 127), a byte per row.
  *
  * Modes: 0 y = A x, 1 y += A x, 2 y = b - A x, 3 d = alpha d + beta D^-1 (b - A x), y = x + d; 2 and 3 with diagonal.
+ * Added to 3: 4 where x is what d was, 8 where nobody asks for d any more; d is then left alone.
  * Chunk shape: a work-item takes `per_item` slices as wide vectors. Row shape: a work-item takes a row. */
 #ifndef PC_CHUNK
 #define PC_CHUNK 1
@@ -16,6 +17,8 @@
 
 #define HALF 1
 #define NARROW 2
+#define AFTER_FIRST 4
+#define LAST 8
 #define TURN_SHIFT 30
 #define COLUMN(c) ((c) & 0x3fffffffu)
 
@@ -53,8 +56,11 @@ inline float4 turned(float4 u, uint t) {
                 STORE(residual, at, y);                                                                      \
             } else {                                                                                         \
                 V change = beta * residual / (g);                                                            \
-                if (alpha != 0) change += alpha * LOAD(at, d);                                               \
-                STORE(change, at, d);                                                                        \
+                if (mode & AFTER_FIRST)                                                                      \
+                    change += alpha * own;                                                                   \
+                else if (alpha != 0)                                                                         \
+                    change += alpha * LOAD(at, d);                                                           \
+                if (!(mode & LAST)) STORE(change, at, d);                                                    \
                 STORE(own + change, at, y);                                                                  \
             }                                                                                                \
         }                                                                                                    \
@@ -274,24 +280,18 @@ kernel void cycle_turned(MATRIX) {
 
 #endif
 
-/* The first step from x = 0: d = x = beta D^-1 b; `width` numbers per row. Items take `per_item` rows. */
+/* The first step from x = 0: x = beta D^-1 b; `width` numbers per row. Items take `per_item` rows. */
 kernel void cycle_first(const global float *restrict diagonal, const global float *restrict b, global float *restrict x,
-                        global float *restrict d, const uint rows, const uint width, const uint per_item,
-                        const float beta) {
+                        const uint rows, const uint width, const uint per_item, const float beta) {
     const uint from = get_global_id(0) * per_item;
     const uint to = min(from + per_item, rows);
     for (uint row = from; row < to; row++) {
-        if (width == 4) {
-            const float4 change = beta * vload4(row, b) / vload2(row, diagonal).xxyy;
-            vstore4(change, row, d);
-            vstore4(change, row, x);
-        } else if (width == 2) {
-            const float2 change = beta / diagonal[row] * vload2(row, b);
-            vstore2(change, row, d);
-            vstore2(change, row, x);
-        } else {
-            d[row] = x[row] = beta / diagonal[row] * b[row];
-        }
+        if (width == 4)
+            vstore4(beta * vload4(row, b) / vload2(row, diagonal).xxyy, row, x);
+        else if (width == 2)
+            vstore2(beta / diagonal[row] * vload2(row, b), row, x);
+        else
+            x[row] = beta / diagonal[row] * b[row];
     }
 }
 

@@ -4,7 +4,7 @@
 extern const char pc_kernel_cycle[];
 
 /* As in cycle.cl. */
-enum { APPLY, ADD, RESIDUAL, SMOOTH };
+enum { APPLY, ADD, RESIDUAL, SMOOTH, AFTER_FIRST = 4, LAST = 8 };
 /* Rows of a level per member from which on it is worth spreading out, by shape. */
 static const pc_index worth_rows[2] = {8192, 65536};
 
@@ -239,13 +239,18 @@ typedef struct operands {
     float alpha, beta;
 } operands;
 
+/* Vectors that a product reads and writes. */
+static int passes(int mode, float alpha) {
+    if (mode < SMOOTH) return mode == APPLY ? 2 : 3;
+    return 3 + (!(mode & AFTER_FIRST) && alpha != 0) + !(mode & LAST);
+}
+
 static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *m, const pc_devmat_part *part,
                               int mode, const operands *o) {
     const size_t rows = m->slice_rows;
     const size_t entry = rows * ((size_t)pc_form_size(m->form) * (m->storage == PC_STORE_HALF ? 2 : 4) +
                                  (part->narrow ? 2 : 4));
     const size_t row = rows * (size_t)s->width * sizeof(float);
-    static const int passes[4] = {2, 3, 3, 6};
     size_t per_item = 1;
     size_t items = part->slices * rows;
     if (s->shape == PC_SHAPE_CHUNK) {
@@ -253,7 +258,10 @@ static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *
         per_item = per_item < 1 ? 1 : per_item > 4096 / rows ? 4096 / rows : per_item;
         items = (part->slices + per_item - 1) / per_item;
     }
-    double bytes = (double)part->entries * (double)entry + (double)part->slices * passes[mode] * (double)row;
+    double bytes = (double)part->entries * (double)entry +
+                   (double)part->slices * (passes(mode, o->alpha) * (double)row + (double)rows);
+    if (mode >= RESIDUAL)
+        bytes += (double)part->slices * (double)rows * pc_form_diagonal(m->form) * (double)sizeof(float);
     return pc_kernel_run(ctx, s->product, items, s->shape == PC_SHAPE_CHUNK ? 1 : 0, bytes,
                          PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value),
                                  PC_BUF(part->exponent), PC_BUF(m->diagonal ? m->diagonal : o->x),
@@ -297,22 +305,24 @@ static pc_status smooth_first(pc_devcycle *s, pc_context *ctx, const pc_devlevel
     const size_t rows = pc_devmat_padded(&level->matrix);
     const bool chunks = s->shape == PC_SHAPE_CHUNK;
     const size_t per_item = chunks ? 2048 : 1;
-    return pc_kernel_run(ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
-                         (double)rows * (3.0 * s->width + pc_form_diagonal(level->matrix.form)) *
-                             sizeof(float),
-                         PC_ARGS(PC_BUF(level->matrix.diagonal), PC_BUF(level->b), PC_BUF(level->x),
-                                 PC_BUF(level->d), PC_U32((uint32_t)rows), PC_U32((uint32_t)s->width),
-                                 PC_U32((uint32_t)per_item), PC_F32(beta)));
+    return pc_kernel_run(
+        ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
+        (double)rows * (2.0 * s->width + pc_form_diagonal(level->matrix.form)) * sizeof(float),
+        PC_ARGS(PC_BUF(level->matrix.diagonal), PC_BUF(level->b), PC_BUF(level->x), PC_U32((uint32_t)rows),
+                PC_U32((uint32_t)s->width), PC_U32((uint32_t)per_item), PC_F32(beta)));
 }
 
-static pc_status smooth(pc_devcycle *s, pc_context *ctx, int level, int from) {
+/* Steps after the first one, which left what it did in x, or all of them. */
+static pc_status smooth(pc_devcycle *s, pc_context *ctx, int level, bool after_first) {
     pc_status status = PC_OK;
-    for (int k = from; k < PC_SMOOTH_STEPS; k++) {
+    for (int k = after_first; k < PC_SMOOTH_STEPS; k++) {
+        const int mode =
+            SMOOTH + (after_first && k == 1 ? AFTER_FIRST : 0) + (k + 1 == PC_SMOOTH_STEPS ? LAST : 0);
         if (level < s->spread) PC_TRY(exchange(s, ctx, level, false));
         for (pc_devcycle *m = s; m; m = next_on(m, level)) {
             pc_devlevel *l = &m->level[level];
             PC_TRY(product(
-                m, ctx, &l->matrix, SMOOTH,
+                m, ctx, &l->matrix, mode,
                 (operands){l->x_other, l->x, l->b, l->d, l->chebyshev.alpha[k], l->chebyshev.beta[k]}));
             pc_buffer *x = l->x;
             l->x = l->x_other;
@@ -328,7 +338,7 @@ static pc_status smooth_from_zero(pc_devcycle *s, pc_context *ctx, int level) {
     pc_status status = PC_OK;
     for (pc_devcycle *m = s; m; m = next_on(m, level))
         PC_TRY(smooth_first(m, ctx, &m->level[level], m->level[level].chebyshev.beta[0]));
-    PC_TRY(smooth(s, ctx, level, 1));
+    PC_TRY(smooth(s, ctx, level, true));
 done:
     return status;
 }
@@ -345,7 +355,7 @@ static pc_status solve_last(pc_devcycle *s, pc_context *ctx) {
             PC_ARGS(PC_BUF(s->direct), PC_BUF(level->b), PC_BUF(level->x), PC_U32(s->direct_count)));
     PC_TRY(smooth_from_zero(s, ctx, last));
     for (int sweep = 1; sweep < SWEEPS; sweep++)
-        PC_TRY(smooth(s, ctx, last, 0));
+        PC_TRY(smooth(s, ctx, last, false));
 done:
     return status;
 }
@@ -390,7 +400,7 @@ pc_status pc_devcycle_run(pc_devcycle *cycle, pc_context *ctx) {
         for (pc_devcycle *m = s; m; m = next_on(m, k))
             PC_TRY(product(m, ctx, &m->level[k].prolongator, ADD,
                            (operands){m->level[k].x, m->level[k + 1].x, NULL, NULL, 0, 0}));
-        PC_TRY(smooth(s, ctx, k, 0));
+        PC_TRY(smooth(s, ctx, k, false));
     }
 done:
     return status;
