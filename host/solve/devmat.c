@@ -137,20 +137,29 @@ static double power_of_two(int power) {
     return v;
 }
 
+/* Without its sign: the larger number has the larger bits. */
+PC_ALWAYS_INLINE uint64_t size_bits(manner how, const pc_blockmat *m, size_t at) {
+    uint64_t bits;
+    if (!how.exact) return bits_of(m->value[at]) & 0x7fffffffU;
+    memcpy(&bits, &m->exact[at], sizeof bits);
+    return bits & ~((uint64_t)1 << 63);
+}
+
 /* One over the unit of a row's numbers, whose exponent goes to the device: the least power of two above them
  * all. */
 PC_ALWAYS_INLINE double unit_of_row(manner how, const pc_blockmat *m, uint8_t *exponent, size_t from,
                                     pc_index entries) {
     const size_t size = (size_t)pc_form_size(how.form);
-    double largest = 0;
-    uint64_t bits;
+    uint64_t largest = 0;
+    uint64_t scale;
+    memcpy(&scale, &m->exact_scale, sizeof scale);
+    const int scale_power = (int)(scale >> 52) - 1023;
     for (size_t at = size * from; at < size * (from + entries); at++) {
-        const double v = fabs(number_of(how, m, at));
-        largest = v > largest ? v : largest;
+        const uint64_t bits = size_bits(how, m, at);
+        largest = bits > largest ? bits : largest;
     }
-    memcpy(&bits, &largest, sizeof bits);
-    int power = largest > 0 ? (int)(bits >> 52) - 1022 : 0;
-    power = power < -125 ? -125 : power > 126 ? 126 : power;
+    int power = !how.exact ? (int)(largest >> 23) - 126 : (int)(largest >> 52) - 1022 + scale_power;
+    power = largest == 0 ? 0 : power < -125 ? -125 : power > 126 ? 126 : power;
     *exponent = (uint8_t)(power + 127);
     return how.storage == PC_STORE_DOUBLE ? 1 / m->exact_scale : power_of_two(-power);
 }

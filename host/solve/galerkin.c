@@ -113,7 +113,7 @@ PC_ALWAYS_INLINE void smooth_row(pc_block_form form, row *r, const product *p, p
 
 /* A chunk for row i, which has `count` entries, and for what follows. */
 static bool next_chunk(worker *w, pc_context *ctx, size_t size, pc_index i, pc_index count) {
-    enum { ROOM = 1 << 17 };
+    enum { ROOM = 1 << 18 };
     const size_t room = count > ROOM ? count : ROOM;
     char *block = NULL;
     w->status = pc_resize(&block, ctx, sizeof(chunk) + room * (size + 1) * sizeof(float));
