@@ -118,10 +118,16 @@ typedef struct halves {
     double8 low, high;
 } halves;
 
+/* Complex products from those of their parts: re re and im im side by side, re im and im re. */
+inline double8 complex_products(double8 s, double8 c) {
+    const double8 sign = (double8)(-1, 1, -1, 1, -1, 1, -1, 1);
+    return (double8)(s.s0, c.s0, s.s2, c.s2, s.s4, c.s4, s.s6, c.s6) +
+           sign * (double8)(s.s1, c.s1, s.s3, c.s3, s.s5, c.s5, s.s7, c.s7);
+}
+
 #define COMPLEX_SUM(COLUMN)                                                                                  \
     const global double2 *z = (const global double2 *)x;                                                     \
     const global float2 *w = (const global float2 *)x;                                                       \
-    const double8 sign = (double8)(-1, 1, -1, 1, -1, 1, -1, 1);                                              \
     double8 low = 0;                                                                                         \
     double8 high = 0;                                                                                        \
     double8 low_crossed = 0;                                                                                 \
@@ -131,14 +137,14 @@ typedef struct halves {
         const double8 b = values(value, rest, last, 2 * k + 1, storage);                                     \
         const double8 u = wide ? FOUR(double8, z, 0) : convert_double8(FOUR(float8, w, 0));                  \
         const double8 v = wide ? FOUR(double8, z, 4) : convert_double8(FOUR(float8, w, 4));                  \
-        low += a.s00224466 * u;                                                                              \
-        low_crossed += a.s11335577 * u.s10325476;                                                            \
-        high += b.s00224466 * v;                                                                             \
-        high_crossed += b.s11335577 * v.s10325476;                                                           \
+        low += a * u;                                                                              \
+        low_crossed += a * u.s10325476;                                                            \
+        high += b * v;                                                                             \
+        high_crossed += b * v.s10325476;                                                           \
     }                                                                                                        \
     halves sum;                                                                                              \
-    sum.low = low + sign * low_crossed;                                                                      \
-    sum.high = high + sign * high_crossed;                                                                   \
+    sum.low = complex_products(low, low_crossed);                                                                      \
+    sum.high = complex_products(high, high_crossed);                                                                   \
     return sum
 
 inline halves complex_sum_narrow(ENTRIES) { COMPLEX_SUM(ushort); }
@@ -189,14 +195,13 @@ inline int some_turned_wide(const global uint *c) {
     do {                                                                                                     \
         const double8 a = values(value, rest, last, 4 * k + n, storage);                                     \
         const double8 u = TWO(n);                                                                            \
-        straight##n += a.s00224466 * u;                                                                      \
-        crossed##n += a.s11335577 * u.s10325476;                                                             \
+        straight##n += a * u;                                                                      \
+        crossed##n += a * u.s10325476;                                                             \
     } while (0)
 
 #define TURNED_SUM(COLUMN, BITS, SOME)                                                                       \
     const global double4 *z = (const global double4 *)x;                                                     \
     const global float4 *w = (const global float4 *)x;                                                       \
-    const double8 sign = (double8)(-1, 1, -1, 1, -1, 1, -1, 1);                                              \
     const uint bits = BITS;                                                                                  \
     const uint mask = (1u << bits) - 1;                                                                      \
     double8 straight0 = 0, straight1 = 0, straight2 = 0, straight3 = 0;                                      \
@@ -209,10 +214,10 @@ inline int some_turned_wide(const global uint *c) {
         ADD_TWO(3);                                                                                          \
     }                                                                                                        \
     quarters sum;                                                                                            \
-    sum.s0 = straight0 + sign * crossed0;                                                                    \
-    sum.s1 = straight1 + sign * crossed1;                                                                    \
-    sum.s2 = straight2 + sign * crossed2;                                                                    \
-    sum.s3 = straight3 + sign * crossed3;                                                                    \
+    sum.s0 = complex_products(straight0, crossed0);                                                                    \
+    sum.s1 = complex_products(straight1, crossed1);                                                                    \
+    sum.s2 = complex_products(straight2, crossed2);                                                                    \
+    sum.s3 = complex_products(straight3, crossed3);                                                                    \
     return sum
 
 inline quarters turned_sum_narrow(ENTRIES) { TURNED_SUM(ushort, 14, some_turned_narrow); }

@@ -118,18 +118,25 @@ kernel void cycle_scalar(MATRIX) {
 
 #define TWICE(v) ((v).s0011223344556677)
 
+/* Complex products from those of their parts: re re and im im side by side, re im and im re. */
+inline float16 complex_products(float16 s, float16 c) {
+    const float16 sign = (float16)(-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1);
+    return (float16)(s.s0, c.s0, s.s2, c.s2, s.s4, c.s4, s.s6, c.s6, s.s8, c.s8, s.sa, c.sa, s.sc, c.sc, s.se, c.se) +
+           sign * (float16)(s.s1, c.s1, s.s3, c.s3, s.s5, c.s5, s.s7, c.s7, s.s9, c.s9, s.sb, c.sb, s.sd, c.sd, s.sf,
+                            c.sf);
+}
+
 #define COMPLEX_SUM(COLUMN)                                                                                  \
     const global float2 *z = (const global float2 *)x;                                                       \
-    const float16 sign = (float16)(-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1);                  \
     float16 straight = 0;                                                                                    \
     float16 crossed = 0;                                                                                     \
     EACH_ENTRY(COLUMN) {                                                                                     \
         const float16 a = VALUES(vload16, 16, k);                                                            \
         const float16 u = EIGHT(float16);                                                                    \
-        straight += a.s0022446688aaccee * u;                                                                 \
-        crossed += a.s1133557799bbddff * u.s1032547698badcfe;                                                \
+        straight += a * u;                                                                 \
+        crossed += a * u.s1032547698badcfe;                                                \
     }                                                                                                        \
-    return straight + sign * crossed
+    return complex_products(straight, crossed)
 
 inline float16 complex_sum_narrow(ENTRIES) { COMPLEX_SUM(ushort); }
 inline float16 complex_sum_wide(ENTRIES) { COMPLEX_SUM(uint); }
@@ -164,7 +171,6 @@ inline int some_turned_wide(const global uint *c) {
 
 #define TURNED_SUM(COLUMN, BITS, SOME)                                                                       \
     const global float4 *z = (const global float4 *)x;                                                       \
-    const float16 sign = (float16)(-1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1);                  \
     const uint bits = BITS;                                                                                  \
     const uint mask = (1u << bits) - 1;                                                                      \
     float16 straight_low = 0;                                                                                \
@@ -182,14 +188,14 @@ inline int some_turned_wide(const global uint *c) {
         }                                                                                                    \
         const float16 a = VALUES(vload16, 16, 2 * k);                                                        \
         const float16 b = VALUES(vload16, 16, 2 * k + 1);                                                    \
-        straight_low += a.s0022446688aaccee * u;                                                             \
-        crossed_low += a.s1133557799bbddff * u.s1032547698badcfe;                                            \
-        straight_high += b.s0022446688aaccee * v;                                                            \
-        crossed_high += b.s1133557799bbddff * v.s1032547698badcfe;                                           \
+        straight_low += a * u;                                                             \
+        crossed_low += a * u.s1032547698badcfe;                                            \
+        straight_high += b * v;                                                            \
+        crossed_high += b * v.s1032547698badcfe;                                           \
     }                                                                                                        \
     halves sum;                                                                                              \
-    sum.low = straight_low + sign * crossed_low;                                                             \
-    sum.high = straight_high + sign * crossed_high;                                                          \
+    sum.low = complex_products(straight_low, crossed_low);                                                             \
+    sum.high = complex_products(straight_high, crossed_high);                                                          \
     return sum
 
 inline halves turned_sum_narrow(ENTRIES) { TURNED_SUM(ushort, 14, some_turned_narrow); }
