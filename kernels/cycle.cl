@@ -8,8 +8,8 @@
  * `storage`, a sum of: 1 numbers are halves, else floats; 2 columns have 16 bits and count from the least one of their
  * slice, which follows the starts, else 32 bits and from 0. Sums are in units of 2^(exponent - 127), a byte per row.
  *
- * Modes: 0 y = A x, 1 y += A x, 2 y = b - A x, 3 d = alpha d + beta D^-1 (b - A x), y = x + d; 2 and 3 with diagonal.
- * Added to 3: 4 where x is what d was, 8 where nobody asks for d any more; d is then left alone.
+ * Modes: 0 y = A x, 1 y += A x, 2 y = b - A x, 3 y = x + alpha (x - y) + beta D^-1 (b - A x), where y is the x of the step
+ * before, 4 the same where that was 0; 2 to 4 with diagonal.
  * Chunk shape: a work-item takes `per_item` slices as wide vectors. Row shape: a work-item takes a row. */
 #ifndef PC_CHUNK
 #define PC_CHUNK 1
@@ -17,15 +17,13 @@
 
 #define HALF 1
 #define NARROW 2
-#define AFTER_FIRST 4
-#define LAST 8
 #define TURN_SHIFT 30
 #define COLUMN(c) ((c) & 0x3fffffffu)
 
 #define MATRIX                                                                                               \
     const global uint *restrict start, const global uint *restrict column, const global float *restrict value, \
         const global uchar *restrict exponent, const global float *restrict diagonal,                        \
-        const global float *restrict x, const global float *restrict b, global float *y, global float *d,    \
+        const global float *restrict x, const global float *restrict b, global float *y,                         \
         const uint first, const uint slices, const uint per_item, const uint storage, const uint mode,       \
         const float alpha, const float beta
 
@@ -56,11 +54,10 @@ inline float4 turned(float4 u, uint t) {
                 STORE(residual, at, y);                                                                      \
             } else {                                                                                         \
                 V change = beta * residual / (g);                                                            \
-                if (mode & AFTER_FIRST)                                                                      \
+                if (mode == 4)                                                                               \
                     change += alpha * own;                                                                   \
                 else if (alpha != 0)                                                                         \
-                    change += alpha * LOAD(at, d);                                                           \
-                if (!(mode & LAST)) STORE(change, at, d);                                                    \
+                    change += alpha * (own - LOAD(at, y));                                                   \
                 STORE(own + change, at, y);                                                                  \
             }                                                                                                \
         }                                                                                                    \
