@@ -137,14 +137,14 @@ inline double8 complex_products(double8 s, double8 c) {
         const double8 b = values(value, rest, last, 2 * k + 1, storage);                                     \
         const double8 u = wide ? FOUR(double8, z, 0) : convert_double8(FOUR(float8, w, 0));                  \
         const double8 v = wide ? FOUR(double8, z, 4) : convert_double8(FOUR(float8, w, 4));                  \
-        low += a * u;                                                                              \
-        low_crossed += a * u.s10325476;                                                            \
-        high += b * v;                                                                             \
-        high_crossed += b * v.s10325476;                                                           \
+        low += a * u;                                                                                        \
+        low_crossed += a * u.s10325476;                                                                      \
+        high += b * v;                                                                                       \
+        high_crossed += b * v.s10325476;                                                                     \
     }                                                                                                        \
     halves sum;                                                                                              \
-    sum.low = complex_products(low, low_crossed);                                                                      \
-    sum.high = complex_products(high, high_crossed);                                                                   \
+    sum.low = complex_products(low, low_crossed);                                                            \
+    sum.high = complex_products(high, high_crossed);                                                         \
     return sum
 
 inline halves complex_sum_narrow(ENTRIES) { COMPLEX_SUM(ushort); }
@@ -176,7 +176,7 @@ inline double4 row_of(const global float *x, uint c, uint wide) {
     return wide ? ((const global double4 *)x)[c] : convert_double4(((const global float4 *)x)[c]);
 }
 
-/* Is any column of an entry of a slice turned? */
+/* Is any of the columns of an entry of a slice turned? */
 inline int some_turned_narrow(const global ushort *c) {
     const ulong2 w = as_ulong2(vload8(0, c));
     return ((w.x | w.y) & 0xc000c000c000c000ul) != 0;
@@ -195,8 +195,8 @@ inline int some_turned_wide(const global uint *c) {
     do {                                                                                                     \
         const double8 a = values(value, rest, last, 4 * k + n, storage);                                     \
         const double8 u = TWO(n);                                                                            \
-        straight##n += a * u;                                                                      \
-        crossed##n += a * u.s10325476;                                                             \
+        straight##n += a * u;                                                                                \
+        crossed##n += a * u.s10325476;                                                                       \
     } while (0)
 
 #define TURNED_SUM(COLUMN, BITS, SOME)                                                                       \
@@ -214,10 +214,10 @@ inline int some_turned_wide(const global uint *c) {
         ADD_TWO(3);                                                                                          \
     }                                                                                                        \
     quarters sum;                                                                                            \
-    sum.s0 = complex_products(straight0, crossed0);                                                                    \
-    sum.s1 = complex_products(straight1, crossed1);                                                                    \
-    sum.s2 = complex_products(straight2, crossed2);                                                                    \
-    sum.s3 = complex_products(straight3, crossed3);                                                                    \
+    sum.s0 = complex_products(straight0, crossed0);                                                          \
+    sum.s1 = complex_products(straight1, crossed1);                                                          \
+    sum.s2 = complex_products(straight2, crossed2);                                                          \
+    sum.s3 = complex_products(straight3, crossed3);                                                          \
     return sum
 
 inline quarters turned_sum_narrow(ENTRIES) { TURNED_SUM(ushort, 14, some_turned_narrow); }
@@ -288,16 +288,16 @@ inline double group_sum(double mine, local double *tree) {
 
 #define ROW_OF_SLICE                                                                                         \
     local double tree[GROUP];                                                                                \
-    const uint s = get_global_id(0) / SLICE;                                                                     \
-    const uint lane = get_global_id(0) % SLICE;                                                                  \
-    const uint row = SLICE * first + get_global_id(0);                                                           \
+    const uint s = get_global_id(0) / SLICE;                                                                 \
+    const uint lane = get_global_id(0) % SLICE;                                                              \
+    const uint row = SLICE * first + get_global_id(0);                                                       \
     double dot_sum = 0;                                                                                      \
     if (s < slices)
 
 #define LEAVE_PARTIAL                                                                                        \
     do {                                                                                                     \
         const double of_group = group_sum(dot_sum, tree);                                                    \
-        if (get_local_id(0) == 0) partial[SLICE * first / GROUP + get_group_id(0)] = of_group;                   \
+        if (get_local_id(0) == 0) partial[SLICE * first / GROUP + get_group_id(0)] = of_group;               \
     } while (0)
 
 inline uint column_at(const global uint *column, uint at, uint least, uint storage) {

@@ -23,7 +23,7 @@
 #define MATRIX                                                                                               \
     const global uint *restrict start, const global uint *restrict column, const global float *restrict value, \
         const global uchar *restrict exponent, const global float *restrict diagonal,                        \
-        const global float *restrict x, const global float *restrict b, global float *y,                         \
+        const global float *restrict x, const global float *restrict b, global float *y,                     \
         const uint first, const uint slices, const uint per_item, const uint storage, const uint mode,       \
         const float alpha, const float beta
 
@@ -78,8 +78,8 @@ inline float8 units(const global uchar *exponent, uint s) {
     const uint to = min(from + per_item, slices);                                                            \
     for (uint s = from; s < to; s++)
 
-/* The loops over entries are made for each storage, so that nothing is asked inside. Columns are read one by one: taking
- * them out of vectors costs more. */
+/* The loops over entries are made for each storage, so that nothing is asked inside. Columns are read one by one:
+ * taking them out of vectors costs more. */
 #define ENTRIES                                                                                              \
     const global uint *restrict column, const global float *restrict value, const global float *restrict x,  \
         const uint from, const uint to, const uint storage
@@ -130,8 +130,8 @@ inline float16 complex_products(float16 s, float16 c) {
     EACH_ENTRY(COLUMN) {                                                                                     \
         const float16 a = VALUES(vload16, 16, k);                                                            \
         const float16 u = EIGHT(float16);                                                                    \
-        straight += a * u;                                                                 \
-        crossed += a * u.s1032547698badcfe;                                                \
+        straight += a * u;                                                                                   \
+        crossed += a * u.s1032547698badcfe;                                                                  \
     }                                                                                                        \
     return complex_products(straight, crossed)
 
@@ -154,7 +154,7 @@ typedef struct halves {
     float16 low, high;
 } halves;
 
-/* The columns of an entry of a slice, of `bits` bits each but for their turns; is any of them turned? */
+/* Is any of the columns of an entry of a slice turned? */
 inline int some_turned_narrow(const global ushort *c) {
     const ulong2 w = as_ulong2(vload8(0, c));
     return ((w.x | w.y) & 0xc000c000c000c000ul) != 0;
@@ -185,14 +185,14 @@ inline int some_turned_wide(const global uint *c) {
         }                                                                                                    \
         const float16 a = VALUES(vload16, 16, 2 * k);                                                        \
         const float16 b = VALUES(vload16, 16, 2 * k + 1);                                                    \
-        straight_low += a * u;                                                             \
-        crossed_low += a * u.s1032547698badcfe;                                            \
-        straight_high += b * v;                                                            \
-        crossed_high += b * v.s1032547698badcfe;                                           \
+        straight_low += a * u;                                                                               \
+        crossed_low += a * u.s1032547698badcfe;                                                              \
+        straight_high += b * v;                                                                              \
+        crossed_high += b * v.s1032547698badcfe;                                                             \
     }                                                                                                        \
     halves sum;                                                                                              \
-    sum.low = complex_products(straight_low, crossed_low);                                                             \
-    sum.high = complex_products(straight_high, crossed_high);                                                          \
+    sum.low = complex_products(straight_low, crossed_low);                                                   \
+    sum.high = complex_products(straight_high, crossed_high);                                                \
     return sum
 
 inline halves turned_sum_narrow(ENTRIES) { TURNED_SUM(ushort, 14, some_turned_narrow); }
@@ -230,9 +230,9 @@ inline uint turned_column(const global uint *column, uint at, uint least, uint s
 
 #define ROW_OF_SLICE                                                                                         \
     const uint local_row = get_global_id(0);                                                                 \
-    const uint s = local_row / SLICE;                                                                            \
-    const uint lane = local_row % SLICE;                                                                         \
-    const uint row = SLICE * first + local_row;                                                                  \
+    const uint s = local_row / SLICE;                                                                        \
+    const uint lane = local_row % SLICE;                                                                     \
+    const uint row = SLICE * first + local_row;                                                              \
     (void)per_item;                                                                                          \
     if (s < slices)
 
