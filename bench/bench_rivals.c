@@ -1,7 +1,7 @@
 /* One solver on one system, in a process of its own, for bench/solver.py; prints a line of JSON.
  *   bench_rivals make FILE DEVICE SCAN SUBDIVISIONS field|pgp     write a system
- *   bench_rivals percale|percale16|jacobi|cholmod|boomeramg FILE [DEVICE]   solve it to 1e-6 and to 1e-10
- * percale16 keeps the hierarchy in 16 bits. */
+ *   bench_rivals percale|percale32|jacobi|cholmod|boomeramg FILE [DEVICE]   solve it to 1e-6 and to 1e-10
+ * percale32 keeps the hierarchy in 32 bits. */
 #include "clock.h"
 #include "memory.h"
 #include "peer_solvers.h"
@@ -98,7 +98,7 @@ static pc_status solve(pc_context *ctx, const char *method, const char *path, co
     else
         PC_TRY(solve_ours(&r, ctx, device,
                           strcmp(method, "jacobi") == 0 ? PC_PRECONDITION_JACOBI : PC_PRECONDITION_MULTIGRID,
-                          strcmp(method, "percale16") == 0, &system, b, x, tolerance));
+                          strcmp(method, "percale32") != 0, &system, b, x, tolerance));
     printf("{\"method\": \"%s\", \"rows\": %u, \"setup_cpu\": %.4f, \"setup\": %.4f, \"solve_cpu\": [%.4f, "
            "%.4f], \"solve\": [%.4f, %.4f], \"iterations\": [%d, %d], \"residual\": [%.2e, %.2e], "
            "\"bytes\": %.0f}\n",

@@ -36,7 +36,7 @@ done:
 }
 
 static pc_status report(pc_context *ctx, pc_device *device, double before) {
-    enum { TRIAD = 8 << 20, REPEATS = 5 };
+    enum { TRIAD = 8 << 20, REPEATS = 20 };
     const pc_kernel_stats *table;
     size_t count;
     double after;
@@ -60,17 +60,17 @@ static pc_status report(pc_context *ctx, pc_device *device, double before) {
 }
 
 int main(int argc, char **argv) {
-    enum { TRIAD = 8 << 20, REPEATS = 5 };
+    enum { TRIAD = 8 << 20, REPEATS = 20 };
     pc_status status = PC_OK;
     pc_device *device = NULL;
     pc_system system = {0};
     pc_synth_options options = PC_SYNTH_DEFAULTS;
     pc_context *ctx = pc_context_make();
     if (!ctx) return 1;
-    double vertices = argc > 2 ? strtod(argv[2], NULL) : 250000;
+    double vertices = argc > 2 ? strtod(argv[2], NULL) : 1000000;
     int repeats = argc > 3 ? (int)strtol(argv[3], NULL, 10) : 1;
     options.around = options.across = (pc_index)sqrt(vertices);
-    options.combed = true;
+    options.combed = options.folded = true;
     PC_TRY(pc_device_open(&device, ctx, argc > 1 ? argv[1] : NULL));
     if (pc_device_is_host(device)) {
         status = pc_fail(ctx, PC_E_USAGE, "kernels are measured on OpenCL devices only");

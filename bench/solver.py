@@ -26,8 +26,8 @@ import time
 
 import provenance
 
-METHODS = ["percale", "percale16", "jacobi", "cholmod", "boomeramg", "pyamg"]
-NAMES = {"percale": "Percale", "percale16": "Percale, hierarchy in 16 bits", "jacobi": "block-Jacobi CG",
+METHODS = ["percale", "percale32", "jacobi", "cholmod", "boomeramg", "pyamg"]
+NAMES = {"percale": "Percale", "percale32": "Percale, hierarchy in 32 bits", "jacobi": "block-Jacobi CG",
          "cholmod": "CHOLMOD, METIS order", "boomeramg": "hypre BoomerAMG + CG", "pyamg": "PyAMG smoothed aggregation + CG"}
 
 

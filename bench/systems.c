@@ -38,10 +38,19 @@ static void free_torus(torus *t, pc_context *ctx) {
     pc_free(ctx, t->degree);
 }
 
+/* The ring that has the rows [place * around, (place + 1) * around), and the place of a ring: one ring after
+ * the other, or, where neighbours are to stay near, the last one next to the first. */
+static pc_index ring_of(const pc_synth_options *o, pc_index place) {
+    return !o->folded ? place : place % 2 == 0 ? place / 2 : o->across - 1 - place / 2;
+}
+static pc_index place_of(const pc_synth_options *o, pc_index ring) {
+    return !o->folded ? ring : 2 * ring < o->across ? 2 * ring : 2 * (o->across - 1 - ring) + 1;
+}
+
 static void place_vertex(torus *t, pc_index i) {
     const pc_synth_options *o = t->options;
     double u = i % o->around + o->jitter * (random_of(o->seed, 3 * (uint64_t)i) - 0.5);
-    double v = i / o->around + o->jitter * (random_of(o->seed, 3 * (uint64_t)i + 1) - 0.5);
+    double v = ring_of(o, i / o->around) + o->jitter * (random_of(o->seed, 3 * (uint64_t)i + 1) - 0.5);
     double a = 2 * PC_PI * u / o->around;
     double b = 2 * PC_PI * v / o->across;
     const double minor = 0.4;
@@ -104,8 +113,9 @@ static pc_status make_torus(torus *t, pc_context *ctx, const pc_synth_options *o
         pc_index u = i % nu;
         pc_index v = i / nu;
         pc_index right = v * nu + (u + 1) % nu;
-        pc_index up = (v + 1) % nv * nu + u;
-        pc_index both = (v + 1) % nv * nu + (u + 1) % nu;
+        pc_index above = place_of(options, (ring_of(options, v) + 1) % nv);
+        pc_index up = above * nu + u;
+        pc_index both = above * nu + (u + 1) % nu;
         if (random_of(options->seed, 3 * (uint64_t)i + 2) < 0.5) {
             add_face(t, i, right, both);
             add_face(t, i, both, up);

@@ -16,9 +16,10 @@ typedef struct pc_synth_options {
     uint64_t seed;       /* of the mesh */
     uint64_t frame_seed; /* of the frames: any seed gives an equivalent system */
     bool combed;         /* TURNED: equal representatives all over the torus */
+    bool folded;         /* neighbours have near numbers, as in the order that scans are brought into */
 } pc_synth_options;
 #define PC_SYNTH_DEFAULTS                                                                                    \
-    { 100, 100, 0.3, 1e-6, 8, 0.05, 1, 1, false }
+    { 100, 100, 0.3, 1e-6, 8, 0.05, 1, 1, false, false }
 
 /* SCALAR: the Laplacian. COMPLEX: the connection Laplacian of 4-fold directions in random tangent frames.
  * TURNED: both phases of PGP for the field along the tube's rings, in random representatives. All with

@@ -39,7 +39,6 @@ inline double4 turned(double4 u, uint t) {
 
 inline double total4(double4 v) { return (v.x + v.y) + (v.z + v.w); }
 inline double total8(double8 v) { return total4(v.lo + v.hi); }
-inline double total16(double16 v) { return total8(v.lo + v.hi); }
 
 #if PC_CHUNK
 
@@ -50,17 +49,6 @@ inline double total16(double16 v) { return total8(v.lo + v.hi); }
     for (uint s = from; s < to; s++)
 
 #define LEAVE_PARTIAL partial[first / CHUNK_SLICES + get_global_id(0)] = dot_sum
-
-inline uint8 columns(const global uint *column, uint k, uint least, uint storage) {
-    return (storage & NARROW) ? least + convert_uint8(vload8(k, (const global ushort *)column)) : vload8(k, column);
-}
-
-/* Four columns with turns in the top bits. */
-inline uint4 turned_columns(const global uint *column, uint k, uint least, uint storage) {
-    if (!(storage & NARROW)) return vload4(k, column);
-    const uint4 word = convert_uint4(vload4(k, (const global ushort *)column));
-    return (least + (word & 0x3fffu)) | (word >> 14) << TURN_SHIFT;
-}
 
 inline double8 values(const global float *value, const global int *rest, const global ushort *last, uint k,
                       uint storage) {
@@ -79,42 +67,50 @@ inline double8 own_numbers(const global float *x, uint at, uint wide) {
     return wide ? vload8(at, (const global double *)x) : convert_double8(vload8(at, x));
 }
 
-/* The loops over entries are made for the usual storages each, so that nothing is asked inside. */
+/* The loops over entries are made for the usual storages each, so that nothing is asked inside. Columns are read one by
+ * one: taking them out of vectors costs more. */
 #define ENTRIES                                                                                              \
     const global uint *restrict column, const global float *restrict value, const global int *restrict rest, \
         const global ushort *restrict last, const global float *x, const uint from, const uint to,           \
-        const uint least, const uint storage, const uint wide
-#define OF_ENTRIES(storage, wide)                                                                            \
-    column, value, rest, last, x, start[s], start[s + 1], LEAST(s), storage, wide
+        const uint storage, const uint wide
+#define EACH_ENTRY(COLUMN)                                                                                   \
+    const global COLUMN *c = (const global COLUMN *)column + 8 * (size_t)from;                               \
+    for (uint k = from; k < to; k++, c += 8)
+/* x from the least column of a slice of `width` numbers per row. */
+#define OF_ENTRIES(width, storage, wide)                                                                     \
+    column, value, rest, last, x + ((wide) ? 2 : 1) * (width) * (size_t)LEAST(s), start[s], start[s + 1],    \
+        storage, wide
+#define PICK(SUM, width)                                                                                     \
+    (storage == (HALF | NARROW) && !wide ? SUM##_narrow(OF_ENTRIES(width, HALF, 0))                          \
+     : storage == NARROW && !wide        ? SUM##_narrow(OF_ENTRIES(width, 0, 0))                             \
+     : (storage & NARROW) != 0           ? SUM##_narrow(OF_ENTRIES(width, storage & HALF, wide))             \
+                                         : SUM##_wide(OF_ENTRIES(width, storage, wide)))
+
+#define EIGHT(V, z) (V)(z[c[0]], z[c[1]], z[c[2]], z[c[3]], z[c[4]], z[c[5]], z[c[6]], z[c[7]])
+#define FOUR(V, z, n) (V)(z[c[n]], z[c[n + 1]], z[c[n + 2]], z[c[n + 3]])
+
+#define SCALAR_SUM(COLUMN)                                                                                   \
+    const global double *z = (const global double *)x;                                                       \
+    double8 sum = 0;                                                                                         \
+    EACH_ENTRY(COLUMN) {                                                                                     \
+        const double8 v = wide ? EIGHT(double8, z) : convert_double8(EIGHT(float8, x));                      \
+        sum += values(value, rest, last, k, storage) * v;                                                    \
+    }                                                                                                        \
+    return sum
+
+inline double8 scalar_sum_narrow(ENTRIES) { SCALAR_SUM(ushort); }
+inline double8 scalar_sum_wide(ENTRIES) { SCALAR_SUM(uint); }
 
 /* y = A x, and the partial sums of x.y */
 kernel void conjugate_scalar(MATRIX) {
-    const global double *z = (const global double *)x;
     EACH_SLICE {
         const uint at = first + s;
-        const uint least = LEAST(s);
-        double8 sum = 0;
-        for (uint k = start[s]; k < start[s + 1]; k++) {
-            const uint8 c = columns(column, k, least, storage);
-            const double8 v =
-                wide ? (double8)(z[c.s0], z[c.s1], z[c.s2], z[c.s3], z[c.s4], z[c.s5], z[c.s6], z[c.s7])
-                     : convert_double8((float8)(x[c.s0], x[c.s1], x[c.s2], x[c.s3], x[c.s4], x[c.s5], x[c.s6],
-                                                x[c.s7]));
-            sum += values(value, rest, last, k, storage) * v;
-        }
         const double8 own = own_numbers(x, at, wide);
-        sum = sum * units(exponent, s) + vload8(at, diagonal) * own;
+        const double8 sum = PICK(scalar_sum, 1) * units(exponent, s) + vload8(at, diagonal) * own;
         vstore8(sum, at, y);
         dot_sum += total8(sum * own);
     }
     LEAVE_PARTIAL;
-}
-
-inline double8 four_complex(const global float *x, uint4 c, uint wide) {
-    const global double2 *z = (const global double2 *)x;
-    const global float2 *w = (const global float2 *)x;
-    return wide ? (double8)(z[c.s0], z[c.s1], z[c.s2], z[c.s3])
-                : convert_double8((float8)(w[c.s0], w[c.s1], w[c.s2], w[c.s3]));
 }
 
 /* Two halves of what eight rows have, four rows each. */
@@ -122,39 +118,42 @@ typedef struct halves {
     double8 low, high;
 } halves;
 
-inline halves complex_sum(ENTRIES) {
+/* Complex products from those of their parts: re re and im im side by side, re im and im re. */
+inline double8 complex_products(double8 s, double8 c) {
     const double8 sign = (double8)(-1, 1, -1, 1, -1, 1, -1, 1);
-    double8 low = 0;
-    double8 high = 0;
-    double8 low_crossed = 0;
-    double8 high_crossed = 0;
-    for (uint k = from; k < to; k++) {
-        const uint8 c = columns(column, k, least, storage);
-        const double8 a = values(value, rest, last, 2 * k, storage);
-        const double8 b = values(value, rest, last, 2 * k + 1, storage);
-        const double8 u = four_complex(x, c.lo, wide);
-        const double8 v = four_complex(x, c.hi, wide);
-        low += a.s00224466 * u;
-        low_crossed += a.s11335577 * u.s10325476;
-        high += b.s00224466 * v;
-        high_crossed += b.s11335577 * v.s10325476;
-    }
-    halves sum;
-    sum.low = low + sign * low_crossed;
-    sum.high = high + sign * high_crossed;
-    return sum;
+    return (double8)(s.s0, c.s0, s.s2, c.s2, s.s4, c.s4, s.s6, c.s6) +
+           sign * (double8)(s.s1, c.s1, s.s3, c.s3, s.s5, c.s5, s.s7, c.s7);
 }
+
+#define COMPLEX_SUM(COLUMN)                                                                                  \
+    const global double2 *z = (const global double2 *)x;                                                     \
+    const global float2 *w = (const global float2 *)x;                                                       \
+    double8 low = 0;                                                                                         \
+    double8 high = 0;                                                                                        \
+    double8 low_crossed = 0;                                                                                 \
+    double8 high_crossed = 0;                                                                                \
+    EACH_ENTRY(COLUMN) {                                                                                     \
+        const double8 a = values(value, rest, last, 2 * k, storage);                                         \
+        const double8 b = values(value, rest, last, 2 * k + 1, storage);                                     \
+        const double8 u = wide ? FOUR(double8, z, 0) : convert_double8(FOUR(float8, w, 0));                  \
+        const double8 v = wide ? FOUR(double8, z, 4) : convert_double8(FOUR(float8, w, 4));                  \
+        low += a * u;                                                                                        \
+        low_crossed += a * u.s10325476;                                                                      \
+        high += b * v;                                                                                       \
+        high_crossed += b * v.s10325476;                                                                     \
+    }                                                                                                        \
+    halves sum;                                                                                              \
+    sum.low = complex_products(low, low_crossed);                                                            \
+    sum.high = complex_products(high, high_crossed);                                                         \
+    return sum
+
+inline halves complex_sum_narrow(ENTRIES) { COMPLEX_SUM(ushort); }
+inline halves complex_sum_wide(ENTRIES) { COMPLEX_SUM(uint); }
 
 kernel void conjugate_complex(MATRIX) {
     EACH_SLICE {
         const uint at = 2 * (first + s);
-        halves sum;
-        if (storage == (HALF | NARROW) && !wide)
-            sum = complex_sum(OF_ENTRIES(HALF | NARROW, 0));
-        else if (storage == NARROW && !wide)
-            sum = complex_sum(OF_ENTRIES(NARROW, 0));
-        else
-            sum = complex_sum(OF_ENTRIES(storage, wide));
+        const halves sum = PICK(complex_sum, 2);
         const double8 g = vload8(first + s, diagonal);
         const double8 unit = units(exponent, s);
         const double8 own_low = own_numbers(x, at, wide);
@@ -168,65 +167,81 @@ kernel void conjugate_complex(MATRIX) {
     LEAVE_PARTIAL;
 }
 
+/* Quarters of what eight rows have, two rows each. */
+typedef struct quarters {
+    double8 s0, s1, s2, s3;
+} quarters;
+
 inline double4 row_of(const global float *x, uint c, uint wide) {
     return wide ? ((const global double4 *)x)[c] : convert_double4(((const global float4 *)x)[c]);
 }
 
-/* U and V of four rows, one side of a slice: more would not fit the registers. */
-inline halves turned_sum(ENTRIES, const uint side) {
-    const double8 sign = (double8)(-1, 1, -1, 1, -1, 1, -1, 1);
-    double8 u_sum = 0;
-    double8 u_crossed = 0;
-    double8 v_sum = 0;
-    double8 v_crossed = 0;
-    for (uint k = from; k < to; k++) {
-        const uint4 word = turned_columns(column, 2 * k + side, least, storage);
-        const uint4 c = COLUMN(word);
-        double4 r0 = row_of(x, c.s0, wide), r1 = row_of(x, c.s1, wide);
-        double4 r2 = row_of(x, c.s2, wide), r3 = row_of(x, c.s3, wide);
-        if (((word.x | word.y | word.z | word.w) >> TURN_SHIFT) != 0) {
-            const uint4 t = word >> TURN_SHIFT;
-            r0 = turned(r0, t.s0), r1 = turned(r1, t.s1), r2 = turned(r2, t.s2), r3 = turned(r3, t.s3);
-        }
-        const double8 a = values(value, rest, last, 4 * k + side, storage);
-        const double8 b = values(value, rest, last, 4 * k + 2 + side, storage);
-        const double8 u = (double8)(r0.lo, r1.lo, r2.lo, r3.lo);
-        const double8 v = (double8)(r0.hi, r1.hi, r2.hi, r3.hi);
-        u_sum += a.s00224466 * u;
-        u_crossed += a.s11335577 * u.s10325476;
-        v_sum += b.s00224466 * v;
-        v_crossed += b.s11335577 * v.s10325476;
-    }
-    halves sum;
-    sum.low = u_sum + sign * u_crossed;
-    sum.high = v_sum + sign * v_crossed;
-    return sum;
+/* Is any of the columns of an entry of a slice turned? */
+inline int some_turned_narrow(const global ushort *c) {
+    const ulong2 w = as_ulong2(vload8(0, c));
+    return ((w.x | w.y) & 0xc000c000c000c000ul) != 0;
 }
+inline int some_turned_wide(const global uint *c) {
+    const ulong4 w = as_ulong4(vload8(0, c));
+    return ((w.x | w.y | w.z | w.w) & 0xc0000000c0000000ul) != 0;
+}
+
+#define ROW(n) turned(row_of(x, c[n] & mask, wide), c[n] >> bits)
+#define TWO(n)                                                                                               \
+    (some  ? (double8)(ROW(2 * n), ROW(2 * n + 1))                                                           \
+     : wide ? (double8)(z[c[2 * n]], z[c[2 * n + 1]])                                                        \
+            : convert_double8((float8)(w[c[2 * n]], w[c[2 * n + 1]])))
+#define ADD_TWO(n)                                                                                           \
+    do {                                                                                                     \
+        const double8 a = values(value, rest, last, 4 * k + n, storage);                                     \
+        const double8 u = TWO(n);                                                                            \
+        straight##n += a * u;                                                                                \
+        crossed##n += a * u.s10325476;                                                                       \
+    } while (0)
+
+#define TURNED_SUM(COLUMN, BITS, SOME)                                                                       \
+    const global double4 *z = (const global double4 *)x;                                                     \
+    const global float4 *w = (const global float4 *)x;                                                       \
+    const uint bits = BITS;                                                                                  \
+    const uint mask = (1u << bits) - 1;                                                                      \
+    double8 straight0 = 0, straight1 = 0, straight2 = 0, straight3 = 0;                                      \
+    double8 crossed0 = 0, crossed1 = 0, crossed2 = 0, crossed3 = 0;                                          \
+    EACH_ENTRY(COLUMN) {                                                                                     \
+        const int some = SOME(c);                                                                            \
+        ADD_TWO(0);                                                                                          \
+        ADD_TWO(1);                                                                                          \
+        ADD_TWO(2);                                                                                          \
+        ADD_TWO(3);                                                                                          \
+    }                                                                                                        \
+    quarters sum;                                                                                            \
+    sum.s0 = complex_products(straight0, crossed0);                                                          \
+    sum.s1 = complex_products(straight1, crossed1);                                                          \
+    sum.s2 = complex_products(straight2, crossed2);                                                          \
+    sum.s3 = complex_products(straight3, crossed3);                                                          \
+    return sum
+
+inline quarters turned_sum_narrow(ENTRIES) { TURNED_SUM(ushort, 14, some_turned_narrow); }
+inline quarters turned_sum_wide(ENTRIES) { TURNED_SUM(uint, 30, some_turned_wide); }
+
+/* y and x.y of the n-th two rows of a slice. */
+#define LEAVE_TWO(n, unit2, g2)                                                                              \
+    do {                                                                                                     \
+        const uint at = 4 * (first + s) + n;                                                                 \
+        const double8 own = own_numbers(x, at, wide);                                                        \
+        const double8 whole = (unit2).s00001111 * sum.s##n + (g2).s00001111 * own;                           \
+        vstore8(whole, at, y);                                                                               \
+        dot_sum += total8(whole * own);                                                                      \
+    } while (0)
 
 kernel void conjugate_turned(MATRIX) {
     EACH_SLICE {
+        const quarters sum = PICK(turned_sum, 4);
         const double8 unit = units(exponent, s);
-        for (uint side = 0; side < 2; side++) {
-            halves sums;
-            if (storage == (HALF | NARROW) && !wide)
-                sums = turned_sum(OF_ENTRIES(HALF | NARROW, 0), side);
-            else if (storage == NARROW && !wide)
-                sums = turned_sum(OF_ENTRIES(NARROW, 0), side);
-            else
-                sums = turned_sum(OF_ENTRIES(storage, wide), side);
-            const double8 u_sum = sums.low;
-            const double8 v_sum = sums.high;
-            const uint at = 2 * (first + s) + side;
-            const double4 g = vload4(at, diagonal);
-            const double4 f = side ? unit.hi : unit.lo;
-            const double16 own = (double16)(own_numbers(x, 2 * at, wide), own_numbers(x, 2 * at + 1, wide));
-            const double16 sum = f.s0000111122223333 *
-                                     (double16)(u_sum.s01, v_sum.s01, u_sum.s23, v_sum.s23, u_sum.s45,
-                                                v_sum.s45, u_sum.s67, v_sum.s67) +
-                                 g.s0000111122223333 * own;
-            vstore16(sum, at, y);
-            dot_sum += total16(sum * own);
-        }
+        const double8 g = vload8(first + s, diagonal);
+        LEAVE_TWO(0, unit.s01, g.s01);
+        LEAVE_TWO(1, unit.s23, g.s23);
+        LEAVE_TWO(2, unit.s45, g.s45);
+        LEAVE_TWO(3, unit.s67, g.s67);
     }
     LEAVE_PARTIAL;
 }
@@ -273,16 +288,16 @@ inline double group_sum(double mine, local double *tree) {
 
 #define ROW_OF_SLICE                                                                                         \
     local double tree[GROUP];                                                                                \
-    const uint s = get_global_id(0) / SLICE;                                                                     \
-    const uint lane = get_global_id(0) % SLICE;                                                                  \
-    const uint row = SLICE * first + get_global_id(0);                                                           \
+    const uint s = get_global_id(0) / SLICE;                                                                 \
+    const uint lane = get_global_id(0) % SLICE;                                                              \
+    const uint row = SLICE * first + get_global_id(0);                                                       \
     double dot_sum = 0;                                                                                      \
     if (s < slices)
 
 #define LEAVE_PARTIAL                                                                                        \
     do {                                                                                                     \
         const double of_group = group_sum(dot_sum, tree);                                                    \
-        if (get_local_id(0) == 0) partial[SLICE * first / GROUP + get_group_id(0)] = of_group;                   \
+        if (get_local_id(0) == 0) partial[SLICE * first / GROUP + get_group_id(0)] = of_group;               \
     } while (0)
 
 inline uint column_at(const global uint *column, uint at, uint least, uint storage) {
@@ -359,8 +374,9 @@ kernel void conjugate_turned(MATRIX) {
         for (uint k = start[s]; k < start[s + 1]; k++) {
             const uint c = turned_column(column, SLICE * k + lane, least, storage);
             const double4 u = turned(row_of(x, COLUMN(c), wide), c >> TURN_SHIFT);
-            sum.lo += times(pair_at(value, rest, last, 2 * SLICE * k + lane, storage), u.lo);
-            sum.hi += times(pair_at(value, rest, last, 2 * SLICE * k + SLICE + lane, storage), u.hi);
+            const uint at = 2 * (SLICE * k + lane);
+            sum.lo += times(pair_at(value, rest, last, at, storage), u.lo);
+            sum.hi += times(pair_at(value, rest, last, at + 1, storage), u.hi);
         }
         const double4 own = row_of(x, row, wide);
         sum = UNIT * sum + diagonal[row] * own;

@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 
 /* The size of a block stands in the 64 bytes before it, so that freeing can count. */
-enum { HEADER = 64, HUGE_PAGE = 2 << 20, HUGE_FROM = 8 << 20 };
+enum { HEADER = 64, HUGE_PAGE = 2 << 20, HUGE_FROM = 2 << 20 };
 
 static void count_used(pc_context *ctx, size_t bytes) {
     size_t used = atomic_fetch_add(&ctx->used, bytes) + bytes;

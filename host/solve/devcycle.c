@@ -4,7 +4,7 @@
 extern const char pc_kernel_cycle[];
 
 /* As in cycle.cl. */
-enum { APPLY, ADD, RESIDUAL, SMOOTH };
+enum { APPLY, ADD, RESIDUAL, SMOOTH, SMOOTH_SECOND };
 /* Rows of a level per member from which on it is worth spreading out, by shape. */
 static const pc_index worth_rows[2] = {8192, 65536};
 
@@ -37,9 +37,9 @@ static pc_status make_level_vectors(pc_devcycle *s, pc_context *ctx, pc_devlevel
     level->numbers = padded * (size_t)s->width;
     /* One slice at least: rows without couplings read place 0. */
     const size_t read = padded + level->order.copies > slice ? padded + level->order.copies : slice;
-    pc_buffer **vectors[4] = {&level->x, &level->x_other, &level->b, &level->d};
-    const size_t rows[4] = {read, read, (most + slice - 1) / slice * slice, padded};
-    for (int v = 0; v < (level == s->level ? 3 : 4); v++)
+    pc_buffer **vectors[3] = {&level->x, &level->b, &level->x_other};
+    const size_t rows[3] = {read, (most + slice - 1) / slice * slice, read};
+    for (int v = 0; v < (level == s->level ? 2 : 3); v++)
         PC_TRY(pc_buffer_zeroed(vectors[v], ctx, s->device, rows[v] * row));
 done:
     return status;
@@ -215,9 +215,9 @@ static void free_member(pc_devcycle *s, pc_context *ctx) {
         pc_devmat_free(&level->matrix, ctx);
         pc_devmat_free(&level->prolongator, ctx);
         pc_devmat_free(&level->restriction, ctx);
-        pc_buffer *vectors[4] = {level->x, level->x_other, level->b, k > 0 ? level->d : NULL};
-        for (int v = 0; v < 4; v++)
-            pc_buffer_free(vectors[v], ctx);
+        pc_buffer *vectors[3] = {level->x, level->x_other, level->b};
+        for (int v = 0; v < 3; v++)
+            if (vectors[v] != level->lent) pc_buffer_free(vectors[v], ctx);
     }
     pc_buffer_free(s->direct, ctx);
     pc_free(ctx, s);
@@ -235,9 +235,15 @@ void pc_devcycle_free(pc_devcycle *cycle, pc_context *ctx) {
 
 /* What a product reads and writes; see the modes in cycle.cl. */
 typedef struct operands {
-    const pc_buffer *y, *x, *b, *d;
+    const pc_buffer *y, *x, *b;
     float alpha, beta;
 } operands;
+
+/* Vectors that a product reads and writes. */
+static int passes(int mode, float alpha) {
+    if (mode < SMOOTH) return mode == APPLY ? 2 : 3;
+    return mode == SMOOTH && alpha != 0 ? 4 : 3;
+}
 
 static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *m, const pc_devmat_part *part,
                               int mode, const operands *o) {
@@ -245,7 +251,6 @@ static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *
     const size_t entry = rows * ((size_t)pc_form_size(m->form) * (m->storage == PC_STORE_HALF ? 2 : 4) +
                                  (part->narrow ? 2 : 4));
     const size_t row = rows * (size_t)s->width * sizeof(float);
-    static const int passes[4] = {2, 3, 3, 6};
     size_t per_item = 1;
     size_t items = part->slices * rows;
     if (s->shape == PC_SHAPE_CHUNK) {
@@ -253,14 +258,17 @@ static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *
         per_item = per_item < 1 ? 1 : per_item > 4096 / rows ? 4096 / rows : per_item;
         items = (part->slices + per_item - 1) / per_item;
     }
-    double bytes = (double)part->entries * (double)entry + (double)part->slices * passes[mode] * (double)row;
+    double bytes = (double)part->entries * (double)entry +
+                   (double)part->slices * (passes(mode, o->alpha) * (double)row + (double)rows);
+    if (mode >= RESIDUAL)
+        bytes += (double)part->slices * (double)rows * pc_form_diagonal(m->form) * (double)sizeof(float);
     return pc_kernel_run(ctx, s->product, items, s->shape == PC_SHAPE_CHUNK ? 1 : 0, bytes,
                          PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value),
                                  PC_BUF(part->exponent), PC_BUF(m->diagonal ? m->diagonal : o->x),
-                                 PC_BUF(o->x), PC_BUF(o->b ? o->b : o->x), PC_BUF(o->y),
-                                 PC_BUF(o->d ? o->d : o->y), PC_U32(part->first), PC_U32(part->slices),
-                                 PC_U32((uint32_t)per_item), PC_U32(pc_devmat_storage(m, part)),
-                                 PC_U32((uint32_t)mode), PC_F32(o->alpha), PC_F32(o->beta)));
+                                 PC_BUF(o->x), PC_BUF(o->b ? o->b : o->x), PC_BUF(o->y), PC_U32(part->first),
+                                 PC_U32(part->slices), PC_U32((uint32_t)per_item),
+                                 PC_U32(pc_devmat_storage(m, part)), PC_U32((uint32_t)mode), PC_F32(o->alpha),
+                                 PC_F32(o->beta)));
 }
 
 /* A product with one member's rows of a level. */
@@ -297,23 +305,23 @@ static pc_status smooth_first(pc_devcycle *s, pc_context *ctx, const pc_devlevel
     const size_t rows = pc_devmat_padded(&level->matrix);
     const bool chunks = s->shape == PC_SHAPE_CHUNK;
     const size_t per_item = chunks ? 2048 : 1;
-    return pc_kernel_run(ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
-                         (double)rows * (3.0 * s->width + pc_form_diagonal(level->matrix.form)) *
-                             sizeof(float),
-                         PC_ARGS(PC_BUF(level->matrix.diagonal), PC_BUF(level->b), PC_BUF(level->x),
-                                 PC_BUF(level->d), PC_U32((uint32_t)rows), PC_U32((uint32_t)s->width),
-                                 PC_U32((uint32_t)per_item), PC_F32(beta)));
+    return pc_kernel_run(
+        ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
+        (double)rows * (2.0 * s->width + pc_form_diagonal(level->matrix.form)) * sizeof(float),
+        PC_ARGS(PC_BUF(level->matrix.diagonal), PC_BUF(level->b), PC_BUF(level->x), PC_U32((uint32_t)rows),
+                PC_U32((uint32_t)s->width), PC_U32((uint32_t)per_item), PC_F32(beta)));
 }
 
-static pc_status smooth(pc_devcycle *s, pc_context *ctx, int level, int from) {
+/* Steps after the first one, which left what it did in x, or all of them. */
+static pc_status smooth(pc_devcycle *s, pc_context *ctx, int level, bool after_first) {
     pc_status status = PC_OK;
-    for (int k = from; k < PC_SMOOTH_STEPS; k++) {
+    for (int k = after_first; k < PC_SMOOTH_STEPS; k++) {
+        const int mode = after_first && k == 1 ? SMOOTH_SECOND : SMOOTH;
         if (level < s->spread) PC_TRY(exchange(s, ctx, level, false));
         for (pc_devcycle *m = s; m; m = next_on(m, level)) {
             pc_devlevel *l = &m->level[level];
-            PC_TRY(product(
-                m, ctx, &l->matrix, SMOOTH,
-                (operands){l->x_other, l->x, l->b, l->d, l->chebyshev.alpha[k], l->chebyshev.beta[k]}));
+            PC_TRY(product(m, ctx, &l->matrix, mode,
+                           (operands){l->x_other, l->x, l->b, l->chebyshev.alpha[k], l->chebyshev.beta[k]}));
             pc_buffer *x = l->x;
             l->x = l->x_other;
             l->x_other = x;
@@ -328,7 +336,7 @@ static pc_status smooth_from_zero(pc_devcycle *s, pc_context *ctx, int level) {
     pc_status status = PC_OK;
     for (pc_devcycle *m = s; m; m = next_on(m, level))
         PC_TRY(smooth_first(m, ctx, &m->level[level], m->level[level].chebyshev.beta[0]));
-    PC_TRY(smooth(s, ctx, level, 1));
+    PC_TRY(smooth(s, ctx, level, true));
 done:
     return status;
 }
@@ -345,7 +353,7 @@ static pc_status solve_last(pc_devcycle *s, pc_context *ctx) {
             PC_ARGS(PC_BUF(s->direct), PC_BUF(level->b), PC_BUF(level->x), PC_U32(s->direct_count)));
     PC_TRY(smooth_from_zero(s, ctx, last));
     for (int sweep = 1; sweep < SWEEPS; sweep++)
-        PC_TRY(smooth(s, ctx, last, 0));
+        PC_TRY(smooth(s, ctx, last, false));
 done:
     return status;
 }
@@ -357,12 +365,12 @@ static pc_status restrict_residual(pc_devcycle *s, pc_context *ctx, int k) {
     if (k < s->spread) PC_TRY(exchange(s, ctx, k, false));
     for (pc_devcycle *m = s; m; m = next_on(m, k))
         PC_TRY(product(m, ctx, &m->level[k].matrix, RESIDUAL,
-                       (operands){m->level[k].x_other, m->level[k].x, m->level[k].b, NULL, 0, 0}));
+                       (operands){m->level[k].x_other, m->level[k].x, m->level[k].b, 0, 0}));
     if (k < s->spread) PC_TRY(exchange(s, ctx, k, true));
     for (pc_devcycle *m = s; m; m = next_on(m, k)) {
         made[m->number] = m->level[k + 1].b;
         PC_TRY(product(m, ctx, &m->level[k].restriction, APPLY,
-                       (operands){made[m->number], m->level[k].x_other, NULL, NULL, 0, 0}));
+                       (operands){made[m->number], m->level[k].x_other, NULL, 0, 0}));
     }
     if (s->exchange && k + 1 == s->spread)
         PC_TRY(
@@ -389,8 +397,8 @@ pc_status pc_devcycle_run(pc_devcycle *cycle, pc_context *ctx) {
         if (k < s->spread) PC_TRY(exchange(s, ctx, k + 1, false));
         for (pc_devcycle *m = s; m; m = next_on(m, k))
             PC_TRY(product(m, ctx, &m->level[k].prolongator, ADD,
-                           (operands){m->level[k].x, m->level[k + 1].x, NULL, NULL, 0, 0}));
-        PC_TRY(smooth(s, ctx, k, 0));
+                           (operands){m->level[k].x, m->level[k + 1].x, NULL, 0, 0}));
+        PC_TRY(smooth(s, ctx, k, false));
     }
 done:
     return status;

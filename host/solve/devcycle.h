@@ -10,8 +10,9 @@ typedef struct pc_devlevel {
     pc_row_order order;
     pc_devmat matrix, prolongator, restriction;
     pc_chebyshev chebyshev;
-    size_t numbers;                 /* of a vector on the device, without copies */
-    pc_buffer *x, *x_other, *d, *b; /* residuals go to x_other; the finest level's d is lent by the caller */
+    size_t numbers;             /* of a vector on the device, without copies */
+    pc_buffer *x, *x_other, *b; /* residuals go to x_other; the two change places */
+    pc_buffer *lent;            /* the caller's: one of them on the finest level, as x_other to begin with */
 } pc_devlevel;
 
 /* One member's part. The first one has all of the levels that are not spread out; where the device computes

@@ -67,11 +67,6 @@ static pc_index slice_length(const copying *c, pc_index slice) {
     return longest;
 }
 
-/* Where number k of the block in a lane goes within a slice's entry. */
-PC_ALWAYS_INLINE size_t value_place(pc_block_form form, pc_index rows, pc_index lane, size_t k) {
-    return form == PC_FORM_SCALAR ? lane : 2 * (rows * (k / 2) + lane) + k % 2;
-}
-
 /* Arrays of one part, where the device is to find them. */
 typedef struct staged {
     pc_index *start;
@@ -142,20 +137,29 @@ static double power_of_two(int power) {
     return v;
 }
 
+/* Without its sign: the larger number has the larger bits. */
+PC_ALWAYS_INLINE uint64_t size_bits(manner how, const pc_blockmat *m, size_t at) {
+    uint64_t bits;
+    if (!how.exact) return bits_of(m->value[at]) & 0x7fffffffU;
+    memcpy(&bits, &m->exact[at], sizeof bits);
+    return bits & ~((uint64_t)1 << 63);
+}
+
 /* One over the unit of a row's numbers, whose exponent goes to the device: the least power of two above them
  * all. */
 PC_ALWAYS_INLINE double unit_of_row(manner how, const pc_blockmat *m, uint8_t *exponent, size_t from,
                                     pc_index entries) {
     const size_t size = (size_t)pc_form_size(how.form);
-    double largest = 0;
-    uint64_t bits;
+    uint64_t largest = 0;
+    uint64_t scale;
+    memcpy(&scale, &m->exact_scale, sizeof scale);
+    const int scale_power = (int)(scale >> 52) - 1023;
     for (size_t at = size * from; at < size * (from + entries); at++) {
-        const double v = fabs(number_of(how, m, at));
-        largest = v > largest ? v : largest;
+        const uint64_t bits = size_bits(how, m, at);
+        largest = bits > largest ? bits : largest;
     }
-    memcpy(&bits, &largest, sizeof bits);
-    int power = largest > 0 ? (int)(bits >> 52) - 1022 : 0;
-    power = power < -125 ? -125 : power > 126 ? 126 : power;
+    int power = !how.exact ? (int)(largest >> 23) - 126 : (int)(largest >> 52) - 1022 + scale_power;
+    power = largest == 0 ? 0 : power < -125 ? -125 : power > 126 ? 126 : power;
     *exponent = (uint8_t)(power + 127);
     return how.storage == PC_STORE_DOUBLE ? 1 / m->exact_scale : power_of_two(-power);
 }
@@ -173,7 +177,7 @@ PC_ALWAYS_INLINE void stage_entry(manner how, const copying *c, const staged *s,
     else
         ((pc_index *)s->column)[to * rows + lane] = column | turn << TURN_SHIFT;
     for (size_t u = 0; u < size; u++)
-        stage_number(how, s, to * rows * size + value_place(how.form, (pc_index)rows, lane, u),
+        stage_number(how, s, (to * rows + lane) * size + u,
                      padding ? 0 : unit * number_of(how, m, size * e + u));
 }
 
@@ -186,7 +190,7 @@ PC_ALWAYS_INLINE void stage_nothing(manner how, const copying *c, const staged *
     else
         ((pc_index *)s->column)[to * rows + lane] = 0;
     for (size_t u = 0; u < size; u++)
-        stage_number(how, s, to * rows * size + value_place(how.form, (pc_index)rows, lane, u), 0);
+        stage_number(how, s, (to * rows + lane) * size + u, 0);
 }
 
 PC_ALWAYS_INLINE void stage_slice(manner how, const copying *c, const staged *s, pc_index first, pc_index k) {

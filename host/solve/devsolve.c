@@ -15,7 +15,8 @@ struct pc_devsolve {
     pc_devsolve *next;  /* member */
     pc_devcycle *cycle; /* its own part */
     const pc_devlevel *finest;
-    /* In doubles but for p and low. The cycle's b is the high part of the residual, its d is in q. */
+    /* In doubles but for p and low. The cycle's b is the high part of the residual; q is one of its two x,
+     * which may hold its answer until q is made. */
     pc_buffer *diagonal; /* scaled as the hierarchy is, as is what q gets */
     pc_buffer *x, *low, *p, *q, *partial, *scalars;
     pc_buffer *sums; /* the first member's: partial sums of all; NULL where there is but one */
@@ -60,9 +61,11 @@ static pc_status make_vectors(pc_devsolve *s, pc_context *ctx, const pc_system *
     const size_t n = level->numbers;
     PC_TRY(pc_buffer_zeroed(&s->x, ctx, s->cycle->device, (n + copies) * sizeof(double)));
     PC_TRY(pc_buffer_zeroed(&s->p, ctx, s->cycle->device, (n + copies) * sizeof(float)));
-    PC_TRY(pc_buffer_zeroed(&s->q, ctx, s->cycle->device, n * sizeof(double)));
+    const size_t least = (n + copies) * sizeof(float);
+    PC_TRY(pc_buffer_zeroed(&s->q, ctx, s->cycle->device,
+                            n * sizeof(double) > least ? n * sizeof(double) : least));
     PC_TRY(pc_buffer_zeroed(&s->low, ctx, s->cycle->device, n * sizeof(float)));
-    s->cycle->level[0].d = s->q;
+    s->cycle->level[0].x_other = s->cycle->level[0].lent = s->q;
     PC_TRY(
         pc_buffer_zeroed(&s->partial, ctx, s->cycle->device, (level->numbers / GROUP + 1) * sizeof(double)));
     PC_TRY(pc_buffer_zeroed(&s->scalars, ctx, s->cycle->device, SCALARS * sizeof(double)));

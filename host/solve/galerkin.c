@@ -50,14 +50,14 @@ static size_t key_count(pc_block_form form, const pc_blockmat *m) {
     return m->column_count * (form == PC_FORM_TURNED ? (size_t)4 : 1);
 }
 
-/* The sum that goes by a key. Without branches: they would go either way as if by chance. */
+/* The sum that goes by a key. Without branches: they would go either way as if by chance. What earlier rows
+ * left wraps around to large numbers. */
 PC_ALWAYS_INLINE double *sum_at(pc_block_form form, row *r, pc_index key) {
-    const pc_index at = r->slot[key];
-    const pc_index fresh = at < r->base;
-    const pc_index place = (r->count & (0 - fresh)) | ((at - r->base) & (fresh - 1));
+    const pc_index at = r->slot[key] - r->base;
+    const pc_index place = at < r->count ? at : r->count;
     r->slot[key] = r->base + place;
     r->list[place] = key;
-    r->count += fresh;
+    r->count += place == r->count;
     return r->sum + (size_t)pc_form_size(form) * place;
 }
 
@@ -113,7 +113,7 @@ PC_ALWAYS_INLINE void smooth_row(pc_block_form form, row *r, const product *p, p
 
 /* A chunk for row i, which has `count` entries, and for what follows. */
 static bool next_chunk(worker *w, pc_context *ctx, size_t size, pc_index i, pc_index count) {
-    enum { ROOM = 1 << 17 };
+    enum { ROOM = 1 << 18 };
     const size_t room = count > ROOM ? count : ROOM;
     char *block = NULL;
     w->status = pc_resize(&block, ctx, sizeof(chunk) + room * (size + 1) * sizeof(float));

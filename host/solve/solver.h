@@ -14,11 +14,11 @@ typedef struct pc_solver_options {
     pc_index max_iterations;
     pc_index spread_rows; /* levels with as many rows per member are spread over the members of a device; 0:
                              as many as are worth it */
-    bool half; /* on devices: the hierarchy's numbers in 16 bits, else in 32: less memory, more work
-                  for processors; about the same iterations */
+    bool half; /* on devices: the hierarchy's numbers in 16 bits, else in 32: less memory and less to move;
+                  about the same iterations */
 } pc_solver_options;
 #define PC_SOLVER_DEFAULTS                                                                                   \
-    { PC_PRECONDITION_MULTIGRID, 500, 0, false }
+    { PC_PRECONDITION_MULTIGRID, 500, 0, true }
 
 typedef struct pc_solver_stats {
     pc_index iterations;

@@ -290,10 +290,9 @@ static void compare_product(pc_context *ctx, pc_device *device, pc_blockmat *m, 
                                  pc_device_shape(device) == PC_SHAPE_CHUNK ? 1 : 0, 0,
                                  PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value),
                                          PC_BUF(part->exponent), PC_BUF(on_device.diagonal), PC_BUF(x_buffer),
-                                         PC_BUF(y_buffer), PC_BUF(y_buffer), PC_BUF(y_buffer), PC_U32(0),
-                                         PC_U32(part->slices), PC_U32(5),
-                                         PC_U32(pc_devmat_storage(&on_device, part)), PC_U32(2), PC_F32(0),
-                                         PC_F32(0))));
+                                         PC_BUF(y_buffer), PC_BUF(y_buffer), PC_U32(0), PC_U32(part->slices),
+                                         PC_U32(5), PC_U32(pc_devmat_storage(&on_device, part)), PC_U32(2),
+                                         PC_F32(0), PC_F32(0))));
     assert_ok(ctx, pc_buffer_read(placed, ctx, y_buffer, 0, padded * sizeof *placed));
     if (storage == PC_STORE_HALF) m->value = halved(ctx, m);
     pc_blockmat_apply(y, m, x);
