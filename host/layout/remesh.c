@@ -132,8 +132,7 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
-    double *base; /* the scale before any refinement: curl correction, and room for singularities */
-    pc_ground ground;
+    double *base;  /* the scale before any refinement: curl correction, and room for singularities */
     double period; /* that the scale belongs to */
 } remeshing;
 
@@ -211,6 +210,7 @@ static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, p
 static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) {
     pc_status status = PC_OK;
     pc_polymesh quads = {0};
+    pc_ground ground = {0}; /* not kept: the parameterization needs the memory */
     uint8_t *folded = NULL;
     pc_remesh_quads_stats made;
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
@@ -218,7 +218,8 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     *found = (outcome){.count = (double)pc_quads_count(r->layout, r->options->ngons)};
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
-    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, wanted, &r->ground));
+    PC_TRY(pc_ground_make(&ground, r->ctx, r->mesh, r->adjacency));
+    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, wanted, &ground));
     found->reached = quads.face_count;
     found->count = made.strips ? made.laid_out : quads.face_count;
     found->folded = made.folded;
@@ -227,10 +228,11 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     sizing.period_length = r->period;
     if (r->options->reach > 0) sizing.reach = r->options->reach;
     if (r->options->floor > 0) sizing.floor = r->options->floor;
-    PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, r->mesh, r->adjacency, &quads, folded, &sizing));
+    PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, &ground, &quads, folded, &sizing));
     r->stats->wanting = sizes.wanting;
     found->wanting = is_worth_another(r, &sizes, made.folded, sizing.edge_length);
 done:
+    pc_ground_free(&ground, r->ctx);
     pc_polymesh_free(&quads, r->ctx);
     pc_free(r->ctx, folded);
     return status;
@@ -353,12 +355,10 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
-    PC_TRY(pc_ground_make(&r.ground, ctx, mesh, adjacency));
     PC_TRY(start_scale(&r, curl));
     PC_TRY(search(&r));
     stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:
-    pc_ground_free(&r.ground, ctx);
     pc_free(ctx, r.base);
     *scale = r.scale;
     if (status != PC_OK) {

@@ -121,11 +121,10 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     PC_TRY(check_edges(ctx, mesh, adjacency, scale, options->period_length));
     PC_TRY(make_arrays(param, ctx, mesh, options->period_length));
     PC_TRY(pc_coupling_make(&coupling, ctx, device, mesh, adjacency, field, scale, options->period_length));
-    PC_TRY(pc_edge_rows_make(&rows, ctx, mesh, adjacency));
     PC_TRY(pc_new(&phase, ctx, 4 * (size_t)mesh->vertex_count));
     double cpu = pc_clock_cpu();
-    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &rows, &coupling,
-                        options->period_length, &options->pgp));
+    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &coupling, options->period_length,
+                        &options->pgp));
     stats->energy = solved.energy;
     stats->iterations = solved.iterations;
     stats->pgp_iterations = solved.iterations;
@@ -142,6 +141,7 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_log(ctx, PC_LOG_DEBUG,
            "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
+    PC_TRY(pc_edge_rows_make(&rows, ctx, mesh, adjacency));
     PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, &solver,
                         INTEGRATION_TOLERANCE, &stats->iterations));
     pc_reconstruct_shifts(param, mesh, adjacency, &coupling);
