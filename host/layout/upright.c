@@ -20,7 +20,10 @@ typedef struct uprighting {
     uint8_t *folded;         /* per face */
     uint8_t *bent;           /* per face: folded, or a corner turns the wrong way */
     uint8_t *ring;           /* per vertex: 0, or 1 + how far from a folded face */
+    uint8_t *stuck;          /* per vertex: has found no better place while all around it stood as it does */
 } uprighting;
+
+enum { FREE, STUCK_ON_SCAN, STUCK }; /* STUCK: off the scan neither */
 
 static pc_vec3 position(const uprighting *u, pc_index v) {
     return pc_vec3_at(u->quads->position, v);
@@ -213,9 +216,22 @@ static void search_around(uprighting *u, trial *t, pc_vec3 mean, double reach) {
         if (i) try_off_scan(u, t, pc_madd(t->home, 0.4 * i * reach * t->length, n), reach);
 }
 
+/* What is around a vertex that has moved may move again. */
+static void set_free(uprighting *u, pc_index v) {
+    const pc_polymesh *q = u->quads;
+    for (pc_index i = u->start[v]; i < u->start[v + 1]; i++) {
+        u->penalty[u->face[i]] = -1;
+        for (pc_index c = q->start[u->face[i]]; c < q->start[u->face[i] + 1]; c++)
+            u->stuck[q->corner[c]] = FREE;
+    }
+}
+
 /* True where the vertex has found a better place. */
 static bool improve(uprighting *u, pc_index v, double reach) {
     trial t = {.vertex = v, .home = position(u, v)};
+    const uint8_t stuck = reach > 0 ? STUCK : STUCK_ON_SCAN;
+    if (u->stuck[v] >= stuck) return false;
+    u->stuck[v] = stuck;
     pc_vec3 mean = survey(u, v, &t.length);
     if (u->start[v + 1] - u->start[v] > MOST_FACES) return false;
     for (pc_index i = u->start[v]; i < u->start[v + 1]; i++)
@@ -229,8 +245,7 @@ static bool improve(uprighting *u, pc_index v, double reach) {
     pc_vec3_put(u->quads->position, v, t.best);
     u->normal[v] = t.best_normal, u->hint[v] = t.best_hint;
     if (u->border[v]) u->place[v] = t.best_place;
-    for (pc_index i = u->start[v]; i < u->start[v + 1]; i++)
-        u->penalty[u->face[i]] = -1;
+    set_free(u, v);
     return true;
 }
 
@@ -325,6 +340,7 @@ static pc_status allocate(uprighting *u, pc_context *ctx) {
     PC_TRY(pc_new(&u->hint, ctx, vertices));
     PC_TRY(pc_new(&u->place, ctx, vertices));
     PC_TRY(pc_new(&u->ring, ctx, vertices));
+    PC_TRY(pc_new(&u->stuck, ctx, vertices));
     PC_TRY(pc_new(&u->penalty, ctx, u->quads->face_count));
     PC_TRY(pc_new(&u->bent, ctx, u->quads->face_count));
     memset(u->hint, 0xff, sizeof(pc_index) * vertices);
@@ -360,6 +376,7 @@ done:
     pc_free(ctx, u.normal), pc_free(ctx, u.hint);
     pc_free(ctx, u.place), pc_free(ctx, u.border);
     pc_free(ctx, u.penalty), pc_free(ctx, u.ring);
+    pc_free(ctx, u.stuck);
     pc_free(ctx, u.bent);
     return status;
 }
