@@ -40,13 +40,14 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
     pc_status status = PC_OK;
     pc_relax_options options = PC_RELAX_DEFAULTS;
     const pc_upright_options upright = PC_UPRIGHT_DEFAULTS;
+    pc_upright_memory *memory = NULL; /* a round changes the mesh in few places */
     for (int round = 0;; round++) {
         pc_index collapsed, doublets;
         pc_free(ctx, *folded);
         *folded = NULL;
         PC_TRY(pc_new(folded, ctx, quads->face_count));
         if (round == 0) PC_TRY(pc_relax(quads, &stats->relaxed, *folded, ctx, ground, &options));
-        PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
+        PC_TRY(pc_upright_make(quads, *folded, &stats->folded, &memory, ctx, ground, &upright));
         pc_log(ctx, PC_LOG_DEBUG, "quads: %u faces folded after %u have been collapsed", stats->folded,
                stats->collapsed);
         if (stats->folded == 0 || round == MOST_COLLAPSES) break;
@@ -61,6 +62,7 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
         stats->doublets += doublets;
     }
 done:
+    pc_upright_memory_free(memory, ctx);
     return status;
 }
 
