@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Time and memory of each stage of `percale convert` as scans grow.
 
-    bench/scaling.py --bench build/release/bench --percale build/release/percale [--log FILE] SCAN:SUBDIVISIONS... > table.md
+    bench/scaling.py --bench build/release/bench --percale build/release/percale [--log FILE] [SCAN:SUBDIVISIONS...] > table.md
 
 SCAN:K is the scan with every triangle cut into four, K times, on curved patches, and noise of 10 % of an edge along the
-normals (bench_synth); SCAN:0 is the scan as it is. With --log each result is added to FILE, and those that FILE has for
-the same commit are not made again. --threads 1,2 runs each scan with as many threads; options for the conversion follow
+normals (bench_synth); SCAN:0 is the scan as it is. With --log each result is added to FILE, those that FILE has for the
+same commit are not made again, and the table has the newest of all that are there. --threads 1,2 runs each scan with as many threads; options for the conversion follow
 "--". Standard library only.
 """
 import argparse
@@ -94,7 +94,7 @@ def table(results):
     last = results[-1]
     print("# The stages as scans grow\n\nMade by `bench/scaling.py`. Each cell: CPU seconds, share of the whole, peak of the "
           "process in bytes per triangle (on small\nscans most of it is the program and the OpenCL driver).\n")
-    print(f"{last['machine'].rpartition(';')[0]}; {last['date']}; commit {last['key'][4]}; other work ran beside it: compare CPU "
+    print(f"{last['machine'].rpartition(';')[0]}; {last['date']}; commit {', '.join(sorted({r['key'][4] for r in results}))}; other work ran beside it: compare CPU "
           "seconds.\n")
     print("| stage | " + " | ".join(f"{r['key'][0]}, {r['triangles'] / 1e6:.2f} M triangles, {r['key'][2]} thread"
                                     f"{'s' if r['key'][2] > 1 else ''}" for r in results) + " |\n|---" + "|---:" * len(results) + "|")
@@ -121,7 +121,7 @@ def table(results):
 def main():
     split = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("case", nargs="+", metavar="SCAN:SUBDIVISIONS")
+    parser.add_argument("case", nargs="*", metavar="SCAN:SUBDIVISIONS")
     parser.add_argument("--percale", default="build/release/percale")
     parser.add_argument("--bench", default="build/release/bench")
     parser.add_argument("--threads", default=str(os.cpu_count()))
@@ -133,9 +133,8 @@ def main():
     if options.log and os.path.exists(options.log):
         known = [json.loads(line) for line in pathlib.Path(options.log).read_text(encoding="utf-8").splitlines()]
     run(options, known, options.log)
-    wanted = {(os.path.basename(c.rpartition(":")[0]), int(c.rpartition(":")[2])) for c in options.case}
-    table(sorted((r for r in known if tuple(r["key"][:2]) in wanted and r["key"][3:] == [options.convert, options.commit]
-                  and "failed" not in r), key=lambda r: (r["triangles"], r["key"][2])))
+    newest = {(*r["key"][:3], *r["key"][3]): r for r in known if "failed" not in r}  # of whatever commit
+    table(sorted(newest.values(), key=lambda r: (r["triangles"], r["key"][2])))
 
 
 if __name__ == "__main__":

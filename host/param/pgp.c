@@ -140,7 +140,6 @@ static pc_status pose(problem *p, const pc_mesh *mesh, const pc_adjacency *adjac
     PC_TRY(pc_edge_rows_make(&rows, p->ctx, mesh, adjacency));
     PC_TRY(pc_pgp_assemble(&p->system, p->ctx, p->device, mesh, adjacency, &rows, coupling));
     PC_TRY(pc_new(&p->degree, p->ctx, n));
-    PC_TRY(pc_new(&p->diagonal, p->ctx, n));
     memcpy(p->degree, p->system.diagonal, sizeof(double) * n);
 done:
     pc_edge_rows_free(&rows, p->ctx);
@@ -160,10 +159,11 @@ static pc_status aim(problem *p, double reach, bool keep_system) {
     pc_status status = PC_OK;
     const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
     const double shift = 1 / (reach * reach);
+    if (p->solver && !p->diagonal) PC_TRY(pc_new(&p->diagonal, p->ctx, p->count));
+    double *diagonal = p->solver ? p->diagonal : p->system.diagonal;
     for (pc_index i = 0; i < p->count; i++)
-        p->diagonal[i] = p->degree[i] + fmax(shift, p->least[i]) * p->mass[i];
-    if (p->solver) return pc_solver_set_diagonal(p->solver, p->ctx, p->diagonal);
-    memcpy(p->system.diagonal, p->diagonal, sizeof(double) * p->count);
+        diagonal[i] = p->degree[i] + fmax(shift, p->least[i]) * p->mass[i];
+    if (p->solver) return pc_solver_set_diagonal(p->solver, p->ctx, diagonal);
     PC_TRY(pc_solver_make(&p->solver, p->ctx, p->device, &p->system, &solver_options));
     if (keep_system)
         memcpy(p->system.diagonal, p->degree, sizeof(double) * p->count);
