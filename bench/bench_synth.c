@@ -1,8 +1,10 @@
-/* Writes a synthetic scan as binary PLY.
- * bench_synth KIND [STEPS] [-o FILE.ply] [options], see usage below. */
+/* Writes a synthetic scan, or a scan made larger or worse, as binary PLY.
+ * bench_synth KIND|SCAN [-o FILE.ply] [options], see usage below. */
 #include "clock.h"
 #include "memory.h"
 #include "polyfile.h"
+#include "repair.h"
+#include "scan.h"
 #include "synth.h"
 #include "synth_blob.h"
 #include "synth_wear.h"
@@ -11,8 +13,8 @@
 #include <string.h>
 
 static const char usage[] =
-    "bench_synth KIND [options] -o FILE.ply\n"
-    "kinds: sphere torus cylinder plane cube vase blob soup\n"
+    "bench_synth KIND|SCAN [options] -o FILE.ply\n"
+    "kinds: sphere torus cylinder plane cube vase blob soup; what has a dot or a slash is a file\n"
     "  --faces N       about so many triangles, before --subdivide (default 100000)\n"
     "  --genus G       of a blob (default 2)\n"
     "  --copies N      that many components in a row\n"
@@ -95,6 +97,22 @@ static pc_status make_shape(pc_mesh *mesh, pc_context *ctx, const wishes *w) {
     return pc_fail(ctx, PC_E_USAGE, "no kind \"%s\"", w->kind);
 }
 
+static bool is_file(const char *kind) {
+    return strpbrk(kind, "./") != NULL;
+}
+
+static pc_status read_shape(pc_mesh *mesh, pc_context *ctx, const char *path) {
+    const pc_repair_options options = PC_REPAIR_DEFAULTS;
+    pc_scan_info info;
+    pc_mesh raw = {0};
+    pc_repair_report report = {0};
+    pc_status status = pc_scan_read(&raw, &info, ctx, path);
+    if (status == PC_OK) status = pc_repair(mesh, &report, ctx, &raw, &options);
+    pc_repair_report_free(&report, ctx);
+    pc_mesh_free(&raw, ctx);
+    return status;
+}
+
 static pc_status add_copies(pc_mesh *mesh, pc_context *ctx, const wishes *w) {
     pc_mesh one = {0};
     pc_status status = PC_OK;
@@ -137,7 +155,7 @@ int main(int argc, char **argv) {
     pc_status status = PC_OK;
     pc_mesh mesh = {0};
     double start = pc_clock_wall(), made;
-    PC_TRY(make_shape(&mesh, ctx, &w));
+    PC_TRY(is_file(w.kind) ? read_shape(&mesh, ctx, w.kind) : make_shape(&mesh, ctx, &w));
     PC_TRY(wear_down(&mesh, ctx, &w));
     made = pc_clock_wall();
     if (w.path) PC_TRY(pc_polyfile_write_mesh_ply(ctx, &mesh, w.path, true));

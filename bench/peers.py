@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Percale beside Instant Meshes and QuadriFlow at the same wanted number of quads.
 
-usage: peers.py [--percale PROGRAM] [--commit C] [--quads N] [--log FILE] SCAN.obj|SCAN.off... > table.md
+usage: peers.py [--percale PROGRAM] [--commit C] [--quads N] [--log FILE] SCAN.obj|SCAN.off|SCAN.ply... > table.md
 Needs numpy, and for the peers pyinstantmeshes and pyQuadriFlow (PyPI); a peer that is not there is left out, and the
 table says so. Each run is a process of its own, whose CPU time and peak memory the system tells. With --log each
-result is added to FILE, and results that FILE has are not made again.
+result is added to FILE, and results that FILE has are not made again. With --quads 0 nothing is asked of Percale, and of
+the others as many as it gave. PLY: as bench_synth writes it.
 """
 import argparse
 import datetime
@@ -13,9 +14,11 @@ import importlib.util
 import json
 import os
 import pathlib
+import resource
 import shlex
 import sys
 import tempfile
+import time
 
 from provenance import machine
 
@@ -35,6 +38,8 @@ METHODS = {
 def read_polygons(path):
     """Vertices as a list of rows, and polygons, of an OBJ or OFF file."""
     vertices, polygons = [], []
+    if path.endswith(".ply"):
+        return read_triangles(path)
     with open(path, encoding="utf-8", errors="replace") as file:
         if path.endswith(".off"):
             words = " ".join(line.split("#", 1)[0] for line in file).split()
@@ -54,6 +59,19 @@ def read_polygons(path):
                 ids = [int(w.split("/", 1)[0]) for w in words[1:]]
                 polygons.append([k - 1 if k > 0 else len(vertices) + k for k in ids])
     return vertices, polygons
+
+
+def read_triangles(path):
+    """Of a binary PLY with doubles, and triangles alone."""
+    import numpy as np
+    with open(path, "rb") as file:
+        counts = {}
+        while (line := file.readline()) != b"end_header\n":
+            if line.startswith(b"element"):
+                counts[line.split()[1]] = int(line.split()[2])
+        vertices = np.fromfile(file, "<f8", 3 * counts[b"vertex"]).reshape(-1, 3)
+        faces = np.fromfile(file, np.dtype([("n", "u1"), ("v", "<i4", 3)]), counts[b"face"])
+    return vertices.tolist(), faces["v"].tolist()
 
 
 def write_obj(path, vertices, polygons):
@@ -119,6 +137,8 @@ def loops(edges):
 
 
 def work(task, arguments):
+    if len(arguments) > 3:
+        resource.setrlimit(resource.RLIMIT_CPU, 2 * (int(arguments[3]),))
     if task == "prepare":
         prepare(*arguments)
     elif task == "measure":
@@ -153,29 +173,32 @@ def measured(path, scratch):
 
 
 def percale_command(program, scan, folder, quads, keep):
-    return [program, "convert", scan, "-o", folder, "--quads", str(quads), "--ngons", "keep" if keep else "split",
-            "--no-pictures", "--force", "--quiet"]
+    return [program, "convert", scan, "-o", folder, *(["--quads", str(quads)] if quads else []),
+            "--ngons", "keep" if keep else "split", "--no-pictures", "--force", "--quiet"]
 
 
-def run(method, args, scan, scratch):
+def run(method, args, scan, scratch, quads):
     """One method on one prepared scan: a dictionary of figures."""
     out = scratch / "out.obj"
+    begin = time.time()
     if method.startswith("Percale"):
         folder = scratch / "percale"
-        code, cpu, peak = spawn(percale_command(args.percale, scan, str(folder), args.quads, "kept" in method))
+        code, cpu, peak = spawn(percale_command(args.percale, scan, str(folder), quads, "kept" in method))
         out = folder / "quads.obj"
         done = code in (0, 5)
     else:
         out.unlink(missing_ok=True)
-        code, cpu, peak = self_task(method, scan, str(out), str(args.quads))
+        code, cpu, peak = self_task(method, scan, str(out), str(quads), str(args.limit))
         done = code == 0
-    result = {"cpu": cpu, "peak": peak, "code": code, "note": "" if code == 0 else f"exit code {code}"}
+    note = "" if code == 0 else f"over {args.limit} CPU s" if cpu > 0.99 * args.limit else f"exit code {code}"
+    result = {"cpu": cpu, "peak": peak, "code": code, "wall": time.time() - begin, "note": note}
     if done and out.exists():
         result.update(measured(out, scratch))
     if method.startswith("Percale") and done:
         report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
         failed = [check["name"] for check in report["certificate"]["checks"] if not check["passed"]]
         result["note"] = "certificate: " + ", ".join(failed) if failed else ""
+        result["peak"] = max(peak, report["peak_bytes"])  # percale resets the mark that the system tells
     return result
 
 
@@ -186,11 +209,12 @@ def same(value, wanted):
 def row_of(scan, method, base, result, quads):
     row = [scan, method]
     if "faces" not in result:
-        return row + ["failed"] + ["-"] * 6 + [f"{result['cpu']:.1f}", f"{result['peak'] / 1e6:.0f}", result["note"]]
-    return row + [f"{quads:,} / {result['faces']:,}", f"{result['quad_percent']:.1f}",
+        return row + ["failed"] + ["-"] * 6 + [f"{result['cpu']:.1f}", f"{result['wall']:.1f}", f"{result['peak'] / 1e6:.0f}",
+                                               result["note"]]
+    return row + [f"{quads:,} / {result['faces']:,}" if quads else f"- / {result['faces']:,}", f"{result['quad_percent']:.1f}",
                   f"{1000 * result['irregular'] / result['faces']:.1f}", same(result["euler"], base["euler"]),
                   same(result["loops"], base["loops"]), str(result["nonmanifold"]), f"{result['cpu']:.1f}",
-                  f"{result['peak'] / 1e6:.0f}", result["note"]]
+                  f"{result['wall']:.1f}", f"{result['peak'] / 1e6:.0f}", result["note"]]
 
 
 def version(package):
@@ -205,7 +229,7 @@ One row per run, all on the same OBJ of triangles. quads asked / given: faces of
 of them with four sides. irregular: inner vertices of valence other than 4 per 1,000 faces; the ends of T-junctions count. Euler
 number and boundary loops: of the scan, then of the result, bold where they differ; a loop is a connected piece of boundary edges.
 bad edges: with more than two faces, or with two of unlike orientation. CPU s: user and system time of all threads of the process,
-with reading and writing files. MB: its peak resident memory. Those of the peers contain Python's start and their bindings, those of
+with reading and writing files; s: wall time. MB: its peak resident memory. Those of the peers contain Python's start and their bindings, those of
 Percale its certificate, HDF5 files and statistics.
 
 `Percale` is the default, `--ngons split`, quads only; `Percale, cells kept` is `--ngons keep`. `Instant Meshes` is its raw output,
@@ -243,15 +267,19 @@ def collect(args, methods):
             triangles = str(scratch / "scan.obj")
             self_task("prepare", scan, triangles)
             base = measured(triangles, scratch)
+            given = 0
             for method in methods:
-                key = (name, method, args.quads)
+                quads = args.quads or (0 if method.startswith("Percale") else given)
+                key = (name, method, quads)
                 if key not in known:
                     print(f"{name}: {method}", file=sys.stderr, flush=True)
-                    known[key] = {"key": key, **run(method, args, triangles, scratch)}
+                    known[key] = {"key": key, **run(method, args, triangles, scratch, quads)}
                     if log:
                         with log.open("a", encoding="utf-8") as file:
                             file.write(json.dumps(known[key]) + "\n")
-                rows.append(row_of(name, method, base, known[key], args.quads))
+                if method == "Percale":
+                    given = known[key].get("faces", 0)
+                rows.append(row_of(name, method, base, known[key], quads))
     return rows
 
 
@@ -263,14 +291,17 @@ def main():
     parser.add_argument("--percale", default="percale", help="the program (default: percale in the PATH)")
     parser.add_argument("--commit", default="unknown", help="what the program was built from")
     parser.add_argument("--quads", type=int, default=4000)
+    parser.add_argument("--methods", help="those to run, by commas (default: all)")
+    parser.add_argument("--limit", type=int, default=36000, help="CPU seconds that a peer may take")
     parser.add_argument("--log", help="a file for results as they come")
     args = parser.parse_args()
     missing = [m for m, (module, _) in METHODS.items() if module and not importlib.util.find_spec(module)]
-    rows = collect(args, [m for m in METHODS if m not in missing])
+    wanted = args.methods.split(",") if args.methods else list(METHODS)
+    rows = collect(args, [m for m in METHODS if m in wanted and m not in missing])
     header(args, missing)
     head = ["scan", "method", "quads asked / given", "quads %", "irregular", "Euler number", "boundary loops", "bad edges",
-            "CPU s", "MB", "note"]
-    print("| " + " | ".join(head) + " |\n|---|---|" + "---:|" * 8 + "---|")
+            "CPU s", "s", "MB", "note"]
+    print("| " + " | ".join(head) + " |\n|---|---|" + "---:|" * 9 + "---|")
     for row in rows:
         print("| " + " | ".join(row) + " |")
     print(LEGEND, end="")

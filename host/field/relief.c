@@ -75,11 +75,13 @@ pc_status pc_relief_smooth(double *transport, pc_context *ctx, pc_device *device
     pc_solver *engine = NULL;
     pc_solver_stats stats = {0};
     double *excess = NULL, *density = NULL, t = length * length, whole = total_area(mesh);
-    memcpy(transport, connection->transport, 3 * (size_t)mesh->face_count * sizeof *transport);
-    if (!(length > 0) || !(whole > 0)) return PC_OK;
+    const size_t bytes = 3 * (size_t)mesh->face_count * sizeof *transport;
+    if (!(length > 0) || !(whole > 0)) {
+        memcpy(transport, connection->transport, bytes);
+        return PC_OK;
+    }
     double least = 1e-4 * whole / mesh->face_count;
     PC_TRY(pc_new(&excess, ctx, mesh->face_count));
-    PC_TRY(pc_new(&density, ctx, mesh->face_count));
     PC_TRY(new_dual_system(&system, ctx, mesh, adjacency));
 #pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < mesh->face_count; f++) {
@@ -88,9 +90,12 @@ pc_status pc_relief_smooth(double *transport, pc_context *ctx, pc_device *device
         dual_row(&system, adjacency, connection, f, area > least ? area : least, t);
     }
     PC_TRY(pc_solver_make(&engine, ctx, device, &system, solver));
+    pc_system_free(&system, ctx);
+    PC_TRY(pc_new(&density, ctx, mesh->face_count));
     PC_TRY(pc_solver_approach(engine, ctx, density, excess, 1e-4, 0.1, &stats));
     pc_log(ctx, PC_LOG_DEBUG, "relief: %u iterations to residual %.1e, %.2f s + %.2f s", stats.iterations,
            stats.residual, stats.setup_seconds, stats.solve_seconds);
+    memcpy(transport, connection->transport, bytes);
 #pragma omp parallel for schedule(static)
     for (pc_index h = 0; h < 3 * mesh->face_count; h++)
         if (adjacency->twin[h] != PC_NONE) {

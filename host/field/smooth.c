@@ -11,10 +11,11 @@ typedef struct smoothing {
     const pc_connection *connection;
     const pc_smooth_options *options;
     const double *area, *target, *weight;
-    pc_ring ring;
+    pc_ring
+        ring; /* as the transport, gone once the system is there: making the solver takes the most memory */
+    double *transport;
     pc_system system;
     pc_solver *solver;
-    double *transport;
     double *stiff; /* per vertex: rho times the sum of its edges' weights */
     double *z, *right;
     pc_index iterations;
@@ -43,8 +44,6 @@ static pc_status assemble(smoothing *s, pc_device *device) {
     entries = s->ring.start[n];
     PC_TRY(pc_system_make(&s->system, s->ctx, PC_BLOCK_COMPLEX, s->mesh->vertex_count, entries));
     PC_TRY(pc_new(&s->stiff, s->ctx, n));
-    PC_TRY(pc_new(&s->z, s->ctx, 2 * n));
-    PC_TRY(pc_new(&s->right, s->ctx, 2 * n));
     for (size_t v = 0; v <= n; v++)
         s->system.start[v] = s->ring.start[v];
     for (size_t k = 0; k < entries; k++)
@@ -57,6 +56,9 @@ static pc_status assemble(smoothing *s, pc_device *device) {
     for (pc_index v = 0; v < s->mesh->vertex_count; v++)
         sum_row(s, v);
 done:
+    pc_ring_free(&s->ring, s->ctx);
+    pc_free(s->ctx, s->transport);
+    s->transport = NULL;
     return status;
 }
 
@@ -130,6 +132,8 @@ pc_status pc_smooth_field(double *angle, pc_context *ctx, pc_device *device, con
     PC_TRY(pc_relief_smooth(s.transport, ctx, device, mesh, adjacency, connection, options->relief,
                             &options->solver));
     PC_TRY(assemble(&s, device));
+    PC_TRY(pc_new(&s.z, ctx, 2 * (size_t)mesh->vertex_count));
+    PC_TRY(pc_new(&s.right, ctx, 2 * (size_t)mesh->vertex_count));
     whole = sum_area(&s);
     start_field(&s);
     PC_TRY(solve_step(&s, device, (rho + 1e-3) * 1e-2 / whole));
@@ -144,7 +148,6 @@ pc_status pc_smooth_field(double *angle, pc_context *ctx, pc_device *device, con
 done:
     pc_solver_free(s.solver, ctx);
     pc_system_free(&s.system, ctx);
-    pc_ring_free(&s.ring, ctx);
     pc_free(ctx, s.transport);
     pc_free(ctx, s.stiff);
     pc_free(ctx, s.z);

@@ -16,7 +16,7 @@ static pc_status place(pc_polymesh *quads, uint8_t **folded, pc_index **face_cel
     PC_TRY(pc_relax(quads, &relaxed, *folded, ctx, ground, &options));
     if (stats->dissolved == 0) stats->relaxed.bad_before = relaxed.bad_before;
     stats->relaxed.bad_after = relaxed.bad_after;
-    PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
+    PC_TRY(pc_upright_make(quads, *folded, &stats->folded, NULL, ctx, ground, &upright));
 done:
     return status;
 }

@@ -40,13 +40,14 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
     pc_status status = PC_OK;
     pc_relax_options options = PC_RELAX_DEFAULTS;
     const pc_upright_options upright = PC_UPRIGHT_DEFAULTS;
+    pc_upright_memory *memory = NULL; /* a round changes the mesh in few places */
     for (int round = 0;; round++) {
         pc_index collapsed, doublets;
         pc_free(ctx, *folded);
         *folded = NULL;
         PC_TRY(pc_new(folded, ctx, quads->face_count));
         if (round == 0) PC_TRY(pc_relax(quads, &stats->relaxed, *folded, ctx, ground, &options));
-        PC_TRY(pc_upright_make(quads, *folded, &stats->folded, ctx, ground, &upright));
+        PC_TRY(pc_upright_make(quads, *folded, &stats->folded, &memory, ctx, ground, &upright));
         pc_log(ctx, PC_LOG_DEBUG, "quads: %u faces folded after %u have been collapsed", stats->folded,
                stats->collapsed);
         if (stats->folded == 0 || round == MOST_COLLAPSES) break;
@@ -61,6 +62,7 @@ static pc_status set_upright(pc_polymesh *quads, uint8_t **folded, pc_remesh_qua
         stats->doublets += doublets;
     }
 done:
+    pc_upright_memory_free(memory, ctx);
     return status;
 }
 
@@ -132,8 +134,7 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
-    double *base; /* the scale before any refinement: curl correction, and room for singularities */
-    pc_ground ground;
+    double *base;  /* the scale before any refinement: curl correction, and room for singularities */
     double period; /* that the scale belongs to */
 } remeshing;
 
@@ -211,6 +212,7 @@ static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, p
 static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) {
     pc_status status = PC_OK;
     pc_polymesh quads = {0};
+    pc_ground ground = {0}; /* not kept: the parameterization needs the memory */
     uint8_t *folded = NULL;
     pc_remesh_quads_stats made;
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
@@ -218,7 +220,8 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     *found = (outcome){.count = (double)pc_quads_count(r->layout, r->options->ngons)};
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
-    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, wanted, &r->ground));
+    PC_TRY(pc_ground_make(&ground, r->ctx, r->mesh, r->adjacency));
+    PC_TRY(pc_remesh_quads(&quads, &folded, &made, r->ctx, r->layout, r->options->ngons, wanted, &ground));
     found->reached = quads.face_count;
     found->count = made.strips ? made.laid_out : quads.face_count;
     found->folded = made.folded;
@@ -227,10 +230,11 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     sizing.period_length = r->period;
     if (r->options->reach > 0) sizing.reach = r->options->reach;
     if (r->options->floor > 0) sizing.floor = r->options->floor;
-    PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, r->mesh, r->adjacency, &quads, folded, &sizing));
+    PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, &ground, &quads, folded, &sizing));
     r->stats->wanting = sizes.wanting;
     found->wanting = is_worth_another(r, &sizes, made.folded, sizing.edge_length);
 done:
+    pc_ground_free(&ground, r->ctx);
     pc_polymesh_free(&quads, r->ctx);
     pc_free(r->ctx, folded);
     return status;
@@ -353,12 +357,10 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
-    PC_TRY(pc_ground_make(&r.ground, ctx, mesh, adjacency));
     PC_TRY(start_scale(&r, curl));
     PC_TRY(search(&r));
     stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:
-    pc_ground_free(&r.ground, ctx);
     pc_free(ctx, r.base);
     *scale = r.scale;
     if (status != PC_OK) {

@@ -32,24 +32,15 @@ done:
     return status;
 }
 
-static pc_status want_by_folds(double *want, pc_context *ctx, const pc_mesh *scan, const pc_polymesh *quads,
-                               const uint8_t *folded) {
-    pc_bvh tree = {0};
-    bool any = false;
-    for (pc_index f = 0; f < quads->face_count && !any; f++)
-        any = folded[f] != 0;
-    if (!any) return PC_OK;
-    pc_status status = pc_bvh_make(&tree, ctx, scan);
-    for (pc_index f = 0; status == PC_OK && f < quads->face_count; f++)
+static void want_by_folds(double *want, const pc_bvh *tree, const pc_polymesh *quads, const uint8_t *folded) {
+    for (pc_index f = 0; f < quads->face_count; f++)
         for (pc_index c = quads->start[f]; folded[f] && c < quads->start[f + 1]; c++) {
-            pc_bvh_hit hit = pc_bvh_closest(&tree, pc_vec3_at(quads->position, quads->corner[c]), PC_NONE);
+            pc_bvh_hit hit = pc_bvh_closest(tree, pc_vec3_at(quads->position, quads->corner[c]), PC_NONE);
             for (int k = 0; hit.face != PC_NONE && k < 3; k++) {
-                pc_index v = scan->triangle[3 * (size_t)hit.face + (size_t)k];
+                pc_index v = tree->mesh->triangle[3 * (size_t)hit.face + (size_t)k];
                 want[v] = fmax(want[v], FOLD_GROWTH);
             }
         }
-    pc_bvh_free(&tree, ctx);
-    return status;
 }
 
 /* No vertex is coarser than its neighbour by more than the gradation allows: sweeps there and back until that
@@ -81,23 +72,24 @@ static void limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacenc
     }
 }
 
-pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ctx, const pc_mesh *scan,
-                           const pc_adjacency *adjacency, const pc_polymesh *quads, const uint8_t *folded,
+pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ctx, const pc_ground *ground,
+                           const pc_polymesh *quads, const uint8_t *folded,
                            const pc_sizing_options *options) {
     pc_status status = PC_OK;
+    const pc_mesh *scan = ground->scan;
     double *want = NULL;
     *stats = (pc_sizing_stats){0};
     PC_TRY(pc_new(&want, ctx, scan->vertex_count));
     PC_TRY(want_by_distance(want, &stats->worst, ctx, scan, scale, quads, options));
-    PC_TRY(want_by_folds(want, ctx, scan, quads, folded));
+    want_by_folds(want, &ground->tree, quads, folded);
     for (pc_index v = 0; v < scan->vertex_count; v++) {
         if (want[v] <= 0) continue;
         stats->wanting++;
         scale[v] = fmin(scale[v] * want[v], options->most);
     }
     if (stats->wanting == 0) goto done;
-    grade(scale, scan, adjacency, options->gradation * options->edge_length);
-    limit_by_edges(scale, scan, adjacency, options->period_length);
+    grade(scale, scan, ground->adjacency, options->gradation * options->edge_length);
+    limit_by_edges(scale, scan, ground->adjacency, options->period_length);
 done:
     pc_free(ctx, want);
     return status;

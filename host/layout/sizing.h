@@ -3,7 +3,7 @@
 #ifndef PC_SIZING_H
 #define PC_SIZING_H
 
-#include "adjacency.h"
+#include "ground.h"
 #include "polymesh.h"
 
 typedef struct pc_sizing_options {
@@ -26,8 +26,7 @@ typedef struct pc_sizing_stats {
 
 /* Raises `scale` (one per scan vertex, 1: cells as asked) around what the quads miss and around the faces
  * with folded[f] != 0, smoothly; not where no vertex wants finer ones. */
-pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ctx, const pc_mesh *scan,
-                           const pc_adjacency *adjacency, const pc_polymesh *quads, const uint8_t *folded,
-                           const pc_sizing_options *options);
+pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ctx, const pc_ground *ground,
+                           const pc_polymesh *quads, const uint8_t *folded, const pc_sizing_options *options);
 
 #endif

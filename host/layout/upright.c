@@ -1,5 +1,6 @@
 #include "upright.h"
 #include "memory.h"
+#include "upright_memory.h"
 #include <string.h>
 
 enum { TURNS = 8, REACHES = 3, MOST_FACES = 24, OFF_SCAN_FROM = 3 };
@@ -20,7 +21,11 @@ typedef struct uprighting {
     uint8_t *folded;         /* per face */
     uint8_t *bent;           /* per face: folded, or a corner turns the wrong way */
     uint8_t *ring;           /* per vertex: 0, or 1 + how far from a folded face */
+    uint8_t *stuck;          /* per vertex: has found no better place while all around it stood as it does */
+    uint8_t *moved;          /* per vertex */
 } uprighting;
+
+enum { FREE, STUCK_ON_SCAN, STUCK }; /* STUCK: off the scan neither */
 
 static pc_vec3 position(const uprighting *u, pc_index v) {
     return pc_vec3_at(u->quads->position, v);
@@ -213,9 +218,22 @@ static void search_around(uprighting *u, trial *t, pc_vec3 mean, double reach) {
         if (i) try_off_scan(u, t, pc_madd(t->home, 0.4 * i * reach * t->length, n), reach);
 }
 
+/* What is around a vertex that has moved may move again. */
+static void set_free(uprighting *u, pc_index v) {
+    const pc_polymesh *q = u->quads;
+    for (pc_index i = u->start[v]; i < u->start[v + 1]; i++) {
+        u->penalty[u->face[i]] = -1;
+        for (pc_index c = q->start[u->face[i]]; c < q->start[u->face[i] + 1]; c++)
+            u->stuck[q->corner[c]] = FREE;
+    }
+}
+
 /* True where the vertex has found a better place. */
 static bool improve(uprighting *u, pc_index v, double reach) {
     trial t = {.vertex = v, .home = position(u, v)};
+    const uint8_t stuck = reach > 0 ? STUCK : STUCK_ON_SCAN;
+    if (u->stuck[v] >= stuck) return false;
+    u->stuck[v] = stuck;
     pc_vec3 mean = survey(u, v, &t.length);
     if (u->start[v + 1] - u->start[v] > MOST_FACES) return false;
     for (pc_index i = u->start[v]; i < u->start[v + 1]; i++)
@@ -228,9 +246,9 @@ static bool improve(uprighting *u, pc_index v, double reach) {
     if (!t.better) return false;
     pc_vec3_put(u->quads->position, v, t.best);
     u->normal[v] = t.best_normal, u->hint[v] = t.best_hint;
+    u->moved[v] = 1;
     if (u->border[v]) u->place[v] = t.best_place;
-    for (pc_index i = u->start[v]; i < u->start[v + 1]; i++)
-        u->penalty[u->face[i]] = -1;
+    set_free(u, v);
     return true;
 }
 
@@ -325,41 +343,98 @@ static pc_status allocate(uprighting *u, pc_context *ctx) {
     PC_TRY(pc_new(&u->hint, ctx, vertices));
     PC_TRY(pc_new(&u->place, ctx, vertices));
     PC_TRY(pc_new(&u->ring, ctx, vertices));
+    PC_TRY(pc_new(&u->stuck, ctx, vertices));
+    PC_TRY(pc_new(&u->moved, ctx, vertices));
     PC_TRY(pc_new(&u->penalty, ctx, u->quads->face_count));
     PC_TRY(pc_new(&u->bent, ctx, u->quads->face_count));
     memset(u->hint, 0xff, sizeof(pc_index) * vertices);
     PC_TRY(find_neighbours(u, ctx));
     find_borders(u);
+done:
+    return status;
+}
+
+/* True where all faces around are those that were around the vertex `old`. */
+static bool stands_among_the_same(const uprighting *u, pc_index v, const pc_upright_memory *m, pc_index old,
+                                  const pc_index *face) {
+    bool same = u->start[v + 1] - u->start[v] == m->start[old + 1] - m->start[old];
+    for (pc_index i = u->start[v]; same && i < u->start[v + 1]; i++)
+        same = face[u->face[i]] != PC_NONE;
+    return same;
+}
+
+/* Normals and penalties: remembered ones where nothing has moved. */
+static pc_status look_at_all(uprighting *u, pc_context *ctx, const pc_upright_memory *m) {
+    pc_status status = PC_OK;
+    const pc_index vertices = u->quads->vertex_count, faces = u->quads->face_count;
+    pc_index *vertex = NULL, *face = NULL;
+    PC_TRY(pc_new(&vertex, ctx, vertices));
+    PC_TRY(pc_new(&face, ctx, faces));
+    memset(vertex, 0xff, sizeof *vertex * vertices);
+    memset(face, 0xff, sizeof *face * faces);
+    if (m) PC_TRY(pc_upright_memory_match(vertex, face, ctx, m, u->quads));
 #pragma omp parallel for schedule(static)
     for (pc_index v = 0; v < vertices; v++) {
+        const pc_index old = vertex[v];
+        if (old != PC_NONE) {
+            u->normal[v] = m->normal[old], u->hint[v] = m->hint[old];
+            if (stands_among_the_same(u, v, m, old, face)) u->stuck[v] = m->stuck[old];
+            continue;
+        }
         pc_bvh_hit hit = pc_bvh_closest(&u->ground->tree, position(u, v), PC_NONE);
         u->normal[v] = pc_unit(pc_ground_normal(u->ground, &hit));
         u->hint[v] = hit.face;
     }
 #pragma omp parallel for schedule(static)
-    for (pc_index f = 0; f < u->quads->face_count; f++) {
-        u->penalty[f] = -1;
+    for (pc_index f = 0; f < faces; f++) {
+        const pc_index old = face[f];
+        u->penalty[f] = old != PC_NONE ? m->penalty[old] : -1;
+        if (old != PC_NONE) u->folded[f] = m->folded[old], u->bent[f] = m->bent[old];
         (void)penalty(u, f);
     }
 done:
+    pc_free(ctx, vertex);
+    pc_free(ctx, face);
     return status;
 }
 
-pc_status pc_upright_make(pc_polymesh *quads, uint8_t *folded, pc_index *left, pc_context *ctx,
-                          const pc_ground *ground, const pc_upright_options *options) {
+/* Hands over what the memory wants. */
+static pc_status keep(pc_upright_memory **memory, pc_context *ctx, uprighting *u) {
     pc_status status = PC_OK;
-    uprighting u = {.quads = quads, .ground = ground};
-    u.folded = folded;
+    pc_upright_memory *m = NULL;
+    pc_upright_memory_free(*memory, ctx);
+    *memory = NULL;
+    PC_TRY(pc_new(&m, ctx, 1));
+    PC_TRY(pc_polymesh_copy(&m->quads, ctx, u->quads));
+    PC_TRY(pc_new(&m->folded, ctx, u->quads->face_count));
+    memcpy(m->folded, u->folded, u->quads->face_count);
+    m->start = u->start, m->face = u->face, u->start = u->face = NULL;
+    m->moved = u->moved, m->stuck = u->stuck, u->moved = u->stuck = NULL;
+    m->normal = u->normal, m->hint = u->hint, u->normal = NULL, u->hint = NULL;
+    m->penalty = u->penalty, m->bent = u->bent, u->penalty = NULL, u->bent = NULL;
+    *memory = m, m = NULL;
+done:
+    pc_upright_memory_free(m, ctx);
+    return status;
+}
+
+pc_status pc_upright_make(pc_polymesh *quads, uint8_t *folded, pc_index *left, pc_upright_memory **memory,
+                          pc_context *ctx, const pc_ground *ground, const pc_upright_options *options) {
+    pc_status status = PC_OK;
+    uprighting u = {.quads = quads, .ground = ground, .folded = folded};
     *left = 0;
     PC_TRY(allocate(&u, ctx));
+    PC_TRY(look_at_all(&u, ctx, memory ? *memory : NULL));
     PC_TRY(sweep(&u, left, ctx, u.bent, options->bent_rounds, 0));
     PC_TRY(sweep(&u, left, ctx, u.folded, options->rounds, options->reach));
+    if (memory) PC_TRY(keep(memory, ctx, &u));
 done:
     pc_free(ctx, u.start), pc_free(ctx, u.face);
     pc_free(ctx, u.next), pc_free(ctx, u.before);
     pc_free(ctx, u.normal), pc_free(ctx, u.hint);
     pc_free(ctx, u.place), pc_free(ctx, u.border);
     pc_free(ctx, u.penalty), pc_free(ctx, u.ring);
-    pc_free(ctx, u.bent);
+    pc_free(ctx, u.bent), pc_free(ctx, u.stuck);
+    pc_free(ctx, u.moved);
     return status;
 }

@@ -32,11 +32,17 @@ pc_stance pc_upright_judge(const pc_ground *ground, const pc_polymesh *quads, pc
 /* Whether anybody may call a face upside down or without area. */
 bool pc_upright_is_folded(const pc_stance *stance);
 
+/* What one call knows at its end. */
+typedef struct pc_upright_memory pc_upright_memory;
+void pc_upright_memory_free(pc_upright_memory *memory, pc_context *ctx);
+
 /* Moves vertices along the scan, border vertices along its border, as long as the sum of penalties of the
  * faces around gets smaller; a vertex whose faces are all in order only for the sake of others. `folded` (per
  * face) tells the faces that are upside down before, and gets 1 where one still is; `*left` counts. Same
- * result for any number of threads. */
-pc_status pc_upright_make(pc_polymesh *quads, uint8_t *folded, pc_index *left, pc_context *ctx,
-                          const pc_ground *ground, const pc_upright_options *options);
+ * result for any number of threads. `memory` (or NULL) makes later calls on the same ground faster where most
+ * of the mesh is as an earlier one left it, and changes nothing else: *memory is NULL before the first call,
+ * and freed by the caller. */
+pc_status pc_upright_make(pc_polymesh *quads, uint8_t *folded, pc_index *left, pc_upright_memory **memory,
+                          pc_context *ctx, const pc_ground *ground, const pc_upright_options *options);
 
 #endif

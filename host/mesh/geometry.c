@@ -188,7 +188,7 @@ static pc_vec3 vertex_normal(const pc_mesh *mesh, const pc_adjacency *adjacency,
         corners(p, mesh, h / 3);
         normal = pc_triangle_normal(p[0], p[1], p[2]);
         area = pc_triangle_area(p[0], p[1], p[2]);
-        pc_triangle_angles(angle, p[0], p[1], p[2]);
+        if (weight != PC_NORMAL_AREA) pc_triangle_angles(angle, p[0], p[1], p[2]);
         double share = weight == PC_NORMAL_AREA ? area : angle[h % 3];
         if (area > largest) largest = area, fallback = normal;
         sum = pc_madd(sum, share, normal);

@@ -5,22 +5,44 @@
 #include "transition.h"
 #include "vec3.h"
 #include <stdlib.h>
+#include <string.h>
 
-enum { MOST_ROUNDS = 16 };
+enum { MOST_ROUNDS = 16, LEAST_HEAP = 4096 };
 
 /* One search: distances from a dislocation over the faces, its shift carried along. */
 typedef struct label {
     double distance;
-    pc_index stamp;
-    pc_index from;     /* half-edge by which the face was entered, in the face before; PC_NONE at the start */
-    pc_point2 burgers; /* whole periods, in the frame of the face's first corner */
-    bool settled;
+    pc_index stamp; /* of the search; SETTLED is added where the distance is final */
+    pc_index from;  /* half-edge by which the face was entered, in the face before; PC_NONE at the start */
+    int32_t burgers[2]; /* whole periods, in the frame of the face's first corner */
 } label;
+
+enum { SETTLED = 1, NEXT_STAMP = 2 };
 
 typedef struct heap_entry {
     double distance;
     pc_index face;
 } heap_entry;
+
+typedef enum plan_state { UNKNOWN, FOUND, HOPELESS } plan_state;
+
+/* What a dislocation would do: vanish at `face`, or out of the border half-edge `exit`. Ends only vanish, so
+ * the nearest one stays the nearest while it is there: nothing is searched for twice. */
+typedef struct plan {
+    double distance;
+    plan_state state; /* HOPELESS: there is no end within reach, and there will be none */
+    pc_index start, face, exit;
+    pc_point2 burgers; /* on arrival */
+    size_t path;       /* the half-edges on the way, in pc_dislocation_plans.path */
+    size_t path_count;
+} plan;
+
+struct pc_dislocation_plans {
+    plan *plan;
+    size_t count;
+    pc_index *path;
+    size_t path_count, path_room;
+};
 
 typedef struct search {
     const pc_mesh *mesh;
@@ -28,20 +50,13 @@ typedef struct search {
     pc_param *param;
     const uint8_t *guarded; /* per vertex, or NULL */
     double reach;
-    pc_vec3 *centre;   /* per face */
-    uint8_t *hopeless; /* per face: a dislocation for which there is no end. Others only vanish: there will be
-                          none */
+    pc_vec3 *centre; /* per face */
     label *labels;
     heap_entry *heap;
-    size_t heap_count;
+    size_t heap_count, heap_room;
     pc_index stamp;
+    pc_dislocation_plans *plans;
 } search;
-
-/* What a dislocation would do: vanish at `face`, or out of the border half-edge `exit`. */
-typedef struct plan {
-    double distance;
-    pc_index start, face, exit;
-} plan;
 
 static pc_transition around(const pc_param *param, pc_index f) {
     size_t h = 3 * (size_t)f;
@@ -121,37 +136,81 @@ static bool takes_in(const search *s, pc_index f, pc_point2 burgers) {
 static void relax(search *s, pc_index h, double distance, pc_point2 burgers) {
     pc_index face = s->adjacency->twin[h] / 3;
     label *l = &s->labels[face];
-    if (l->stamp == s->stamp && (l->settled || l->distance <= distance)) return;
-    *l = (label){.distance = distance, .stamp = s->stamp, .from = h, .burgers = burgers};
+    if (l->stamp == s->stamp + SETTLED || (l->stamp == s->stamp && l->distance <= distance)) return;
+    *l = (label){distance, s->stamp, h, {(int32_t)burgers.s, (int32_t)burgers.t}};
     push(s, distance, face);
 }
 
-/* Dijkstra over the faces, to the first one that takes the shift in. */
-static bool find_end(search *s, plan *found, pc_index start) {
-    pc_transition g = around(s->param, start);
-    s->stamp++;
-    s->heap_count = 0;
-    s->labels[start] = (label){.stamp = s->stamp, .from = PC_NONE, .burgers = {g.a, g.b}};
-    push(s, 0, start);
-    while (s->heap_count) {
-        heap_entry top = pop(s);
-        label *l = &s->labels[top.face];
-        if (l->settled || top.distance > l->distance) continue;
-        l->settled = true;
-        *found = (plan){top.distance, start, top.face, PC_NONE};
-        if (top.distance > s->reach) return false;
-        if (top.face != start && takes_in(s, top.face, l->burgers)) return true;
-        pc_vec3 here = s->centre[top.face];
-        for (pc_index h = 3 * top.face; h < 3 * top.face + 3; h++) {
-            pc_index twin = s->adjacency->twin[h];
-            if (twin == PC_NONE) {
-                found->exit = h;
-                return true;
-            }
-            relax(s, h, top.distance + pc_distance(here, s->centre[twin / 3]), carried(s, h, l->burgers));
+static pc_point2 burgers_at(const search *s, pc_index face) {
+    const int32_t *b = s->labels[face].burgers;
+    return (pc_point2){b[0], b[1]};
+}
+
+/* The way that the labels tell. */
+static pc_status keep_path(search *s, plan *p, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_dislocation_plans *plans = s->plans;
+    p->path_count = 0;
+    for (pc_index f = p->face; s->labels[f].from != PC_NONE; f = s->labels[f].from / 3)
+        p->path_count++;
+    if (plans->path_count + p->path_count > plans->path_room) {
+        plans->path_room = 2 * plans->path_room + p->path_count;
+        PC_TRY(pc_resize(&plans->path, ctx, plans->path_room));
+    }
+    p->path = plans->path_count;
+    plans->path_count += p->path_count;
+    pc_index f = p->face;
+    for (size_t i = p->path_count; i-- > 0; f = s->labels[f].from / 3)
+        plans->path[p->path + i] = s->labels[f].from;
+done:
+    return status;
+}
+
+/* True where the search ends at `face`, which it has settled; otherwise its neighbours are labelled. */
+static bool expand(search *s, plan *p, pc_index face, double distance) {
+    const pc_point2 burgers = burgers_at(s, face);
+    if (face != p->start && takes_in(s, face, burgers)) return true;
+    for (pc_index h = 3 * face; h < 3 * face + 3; h++) {
+        pc_index twin = s->adjacency->twin[h];
+        if (twin == PC_NONE) {
+            p->exit = h;
+            return true;
         }
+        relax(s, h, distance + pc_distance(s->centre[face], s->centre[twin / 3]), carried(s, h, burgers));
     }
     return false;
+}
+
+/* Dijkstra over the faces, to the first one that takes the shift in. Where there is none within `reach` the
+ * plan stays as it was. */
+static pc_status find_end(search *s, plan *p, bool *found, pc_context *ctx, double reach) {
+    pc_status status = PC_OK;
+    pc_transition g = around(s->param, p->start);
+    plan made = {.state = FOUND, .start = p->start, .exit = PC_NONE};
+    *found = false;
+    s->stamp += NEXT_STAMP;
+    s->heap_count = 0;
+    s->labels[p->start] = (label){0, s->stamp, PC_NONE, {(int32_t)g.a, (int32_t)g.b}};
+    push(s, 0, p->start);
+    while (s->heap_count && !*found) {
+        if (s->heap_count + 3 > s->heap_room) {
+            PC_TRY(pc_resize(&s->heap, ctx, 2 * s->heap_room));
+            s->heap_room *= 2;
+        }
+        heap_entry top = pop(s);
+        label *l = &s->labels[top.face];
+        if (l->stamp == s->stamp + SETTLED || top.distance > l->distance) continue;
+        if (top.distance > reach) break;
+        l->stamp = s->stamp + SETTLED;
+        made.distance = top.distance, made.face = top.face;
+        *found = expand(s, &made, top.face, top.distance);
+    }
+    if (!*found) goto done;
+    made.burgers = burgers_at(s, made.face);
+    PC_TRY(keep_path(s, &made, ctx));
+    *p = made;
+done:
+    return status;
 }
 
 static void add_shift(pc_param *param, const pc_adjacency *adjacency, pc_index h, pc_point2 shift) {
@@ -175,80 +234,140 @@ static void flag(pc_param *param, pc_index f) {
     param->singular[f] = g.turn ? PC_FIELD_SINGULARITY : g.a || g.b ? PC_DISLOCATION : PC_REGULAR;
 }
 
-/* Carries out the plan that find_end has just made; its labels tell the way back. */
 static void carry_out(search *s, const plan *p) {
-    if (p->exit != PC_NONE) move_across(s, p->exit, s->labels[p->face].burgers);
-    for (pc_index f = p->face; s->labels[f].from != PC_NONE;) {
-        pc_index h = s->labels[f].from;
-        f = h / 3;
-        move_across(s, h, s->labels[f].burgers);
+    pc_transition g = around(s->param, p->start);
+    pc_point2 burgers = {g.a, g.b};
+    for (size_t i = p->path; i < p->path + p->path_count; i++) {
+        move_across(s, s->plans->path[i], burgers);
+        burgers = carried(s, s->plans->path[i], burgers);
     }
+    if (p->exit != PC_NONE) move_across(s, p->exit, burgers);
     flag(s->param, p->start);
     flag(s->param, p->face);
 }
 
 static int by_distance(const void *a, const void *b) {
-    const plan *p = a, *q = b;
+    const plan *p = *(const plan *const *)a, *q = *(const plan *const *)b;
     if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
     return p->start < q->start ? -1 : p->start > q->start;
 }
 
 static bool is_open(const search *s, pc_index f) {
-    return s->param->singular[f] == PC_DISLOCATION && !s->hopeless[f] && !is_guarded(s, f);
+    return s->param->singular[f] == PC_DISLOCATION && !is_guarded(s, f);
 }
 
-static pc_status cancel_round(search *s, pc_index *cancelled, pc_context *ctx) {
+/* The end of the plan is still there. */
+static bool stands(const search *s, const plan *p) {
+    return p->state == FOUND && (p->exit != PC_NONE || takes_in(s, p->face, p->burgers));
+}
+
+/* The open dislocations with an end, each with the nearest one. */
+static pc_status make_plans(plan **open, size_t *open_count, search *s, plan *plans, pc_context *ctx) {
     pc_status status = PC_OK;
-    plan *plans = NULL;
-    size_t count = 0;
-    for (pc_index f = 0; f < s->mesh->face_count; f++)
-        count += is_open(s, f);
-    PC_TRY(pc_new(&plans, ctx, count));
-    count = 0;
-    for (pc_index f = 0; f < s->mesh->face_count; f++)
-        if (is_open(s, f)) {
-            s->hopeless[f] = !find_end(s, &plans[count], f);
-            count += !s->hopeless[f];
+    bool found;
+    *open_count = 0;
+    for (size_t i = 0; i < s->plans->count; i++) {
+        plan *p = plans + i;
+        if (!is_open(s, p->start) || p->state == HOPELESS) continue;
+        if (!stands(s, p)) {
+            PC_TRY(find_end(s, p, &found, ctx, s->reach));
+            if (!found) p->state = HOPELESS;
         }
-    qsort(plans, count, sizeof *plans, by_distance);
-    /* Others may have come closer or gone: each plan is made anew before it is carried out, and waits where
-     * its partner has gone and the next one is farther. */
-    for (size_t i = 0; i < count; i++) {
-        plan now;
-        if (s->param->singular[plans[i].start] != PC_DISLOCATION) continue;
-        s->hopeless[plans[i].start] = !find_end(s, &now, plans[i].start);
-        if (s->hopeless[plans[i].start] || now.distance > 1.5 * plans[i].distance) continue;
-        bool pair = now.exit == PC_NONE && s->param->singular[now.face] == PC_DISLOCATION;
-        carry_out(s, &now);
+        if (p->state == FOUND) open[(*open_count)++] = p;
+    }
+done:
+    return status;
+}
+
+/* The closest first. One whose partner has gone waits for the next round if the next end is farther. */
+static pc_status cancel_round(search *s, plan **open, size_t open_count, pc_index *cancelled,
+                              pc_context *ctx) {
+    pc_status status = PC_OK;
+    qsort(open, open_count, sizeof(plan *), by_distance);
+    for (size_t i = 0; i < open_count; i++) {
+        plan *p = open[i];
+        bool found = true;
+        if (s->param->singular[p->start] != PC_DISLOCATION) continue;
+        if (!stands(s, p)) PC_TRY(find_end(s, p, &found, ctx, fmin(s->reach, 1.5 * p->distance)));
+        if (!found) continue;
+        bool pair = p->exit == PC_NONE && s->param->singular[p->face] == PC_DISLOCATION;
+        carry_out(s, p);
         *cancelled += pair ? 2 : 1;
     }
     PC_TRY(pc_check_interrupt(ctx));
 done:
-    pc_free(ctx, plans);
     return status;
 }
 
-pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_context *ctx, const pc_mesh *mesh,
-                                 const pc_adjacency *adjacency, const uint8_t *guarded, double reach) {
+/* In rounds. What the first one finds is kept for a later call. */
+static pc_status cancel(search *s, pc_index *cancelled, pc_context *ctx) {
     pc_status status = PC_OK;
-    search s = {.mesh = mesh, .adjacency = adjacency, .param = param, .guarded = guarded, .reach = reach};
-    *cancelled = 0;
-    PC_TRY(pc_new(&s.centre, ctx, mesh->face_count));
-    PC_TRY(pc_new(&s.hopeless, ctx, mesh->face_count));
-    PC_TRY(pc_new(&s.labels, ctx, mesh->face_count));
-    PC_TRY(pc_new(&s.heap, ctx, 4 * (size_t)mesh->face_count));
-    for (pc_index f = 0; f < mesh->face_count; f++)
-        s.centre[f] = centroid(mesh, f);
+    plan *plans = NULL, **open = NULL;
+    size_t open_count;
+    PC_TRY(pc_new(&plans, ctx, s->plans->count));
+    PC_TRY(pc_new(&open, ctx, s->plans->count));
+    memcpy(plans, s->plans->plan, s->plans->count * sizeof *plans);
     for (int round = 0; round < MOST_ROUNDS; round++) {
         pc_index before = *cancelled;
-        PC_TRY(cancel_round(&s, cancelled, ctx));
+        PC_TRY(make_plans(open, &open_count, s, plans, ctx));
+        if (round == 0) memcpy(s->plans->plan, plans, s->plans->count * sizeof *plans);
+        PC_TRY(cancel_round(s, open, open_count, cancelled, ctx));
         if (*cancelled == before) break;
     }
+done:
+    pc_free(ctx, plans);
+    pc_free(ctx, open);
+    return status;
+}
+
+static pc_status list_dislocations(search *s, pc_context *ctx) {
+    pc_status status = PC_OK;
+    size_t count = 0;
+    for (pc_index f = 0; f < s->mesh->face_count; f++)
+        count += is_open(s, f);
+    PC_TRY(pc_new(&s->plans->plan, ctx, count));
+    for (pc_index f = 0; f < s->mesh->face_count; f++)
+        if (is_open(s, f)) s->plans->plan[s->plans->count++].start = f;
+done:
+    return status;
+}
+
+pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_dislocation_plans **known,
+                                 pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency,
+                                 const uint8_t *guarded, double reach) {
+    pc_status status = PC_OK;
+    pc_dislocation_plans *own = NULL, **plans = known ? known : &own;
+    search s = {.mesh = mesh,
+                .adjacency = adjacency,
+                .param = param,
+                .guarded = guarded,
+                .reach = reach,
+                .heap_room = LEAST_HEAP};
+    *cancelled = 0;
+    PC_TRY(pc_new(&s.centre, ctx, mesh->face_count));
+    PC_TRY(pc_new(&s.labels, ctx, mesh->face_count));
+    PC_TRY(pc_new(&s.heap, ctx, s.heap_room));
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        s.centre[f] = centroid(mesh, f);
+    if (!*plans) {
+        PC_TRY(pc_new(plans, ctx, 1));
+        s.plans = *plans;
+        PC_TRY(list_dislocations(&s, ctx));
+    }
+    s.plans = *plans;
+    PC_TRY(cancel(&s, cancelled, ctx));
     pc_reconstruct_flags(param, mesh);
 done:
+    pc_dislocation_plans_free(own, ctx);
     pc_free(ctx, s.centre);
-    pc_free(ctx, s.hopeless);
     pc_free(ctx, s.labels);
     pc_free(ctx, s.heap);
     return status;
+}
+
+void pc_dislocation_plans_free(pc_dislocation_plans *plans, pc_context *ctx) {
+    if (!plans) return;
+    pc_free(ctx, plans->plan);
+    pc_free(ctx, plans->path);
+    pc_free(ctx, plans);
 }

@@ -72,6 +72,8 @@ static pc_status cancel_dislocations(pc_param *param, pc_param_stats *stats, con
     size_t shifts = 6 * (size_t)s->mesh->face_count, coordinates = 2 * (size_t)s->mesh->vertex_count;
     int32_t *shift = NULL, *coordinate = NULL;
     uint8_t *guarded = NULL;
+    pc_dislocation_plans *plans = NULL;
+    pc_squeeze squeeze = {0};
     PC_TRY(pc_new(&shift, ctx, shifts));
     PC_TRY(pc_new(&coordinate, ctx, coordinates));
     PC_TRY(pc_new(&guarded, ctx, s->mesh->vertex_count));
@@ -79,14 +81,16 @@ static pc_status cancel_dislocations(pc_param *param, pc_param_stats *stats, con
     memcpy(coordinate, param->coordinate, coordinates * sizeof *coordinate);
     /* What is squeezed before anything is cancelled is not to be blamed on it, nor made worse. */
     pc_index squeezed;
-    PC_TRY(pc_squeeze_mark(guarded, &squeezed, ctx, param, s->mesh, s->rows, s->scale, LEAST_ROOM));
+    PC_TRY(pc_squeeze_make(&squeeze, ctx, param, s->mesh, s->rows, s->scale));
+    PC_TRY(pc_squeeze_mark(guarded, &squeezed, ctx, &squeeze, param, s->mesh, LEAST_ROOM));
     for (int round = 0; round < MOST_GUARDS; round++) {
-        PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, ctx, s->mesh, s->adjacency, guarded, reach));
+        PC_TRY(pc_dislocations_cancel(param, &stats->cancelled, &plans, ctx, s->mesh, s->adjacency, guarded,
+                                      reach));
         PC_TRY(pc_integrate(param, ctx, s->device, s->mesh, s->adjacency, s->coupling, s->rows, s->field,
                             s->scale, s->solver, INTEGRATION_TOLERANCE, &stats->iterations));
         pc_reconstruct_torn(param, s->mesh, s->adjacency, s->coupling);
         pc_reconstruct_flags(param, s->mesh);
-        PC_TRY(pc_squeeze_mark(guarded, &squeezed, ctx, param, s->mesh, s->rows, s->scale, LEAST_ROOM));
+        PC_TRY(pc_squeeze_mark(guarded, &squeezed, ctx, &squeeze, param, s->mesh, LEAST_ROOM));
         pc_log(ctx, PC_LOG_DEBUG, "%u dislocations cancelled, %u vertices squeezed by it", stats->cancelled,
                squeezed);
         if (squeezed == 0 || round + 1 == MOST_GUARDS) break;
@@ -98,6 +102,8 @@ done:
     pc_free(ctx, shift);
     pc_free(ctx, coordinate);
     pc_free(ctx, guarded);
+    pc_dislocation_plans_free(plans, ctx);
+    pc_squeeze_free(&squeeze, ctx);
     return status;
 }
 
@@ -115,11 +121,10 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     PC_TRY(check_edges(ctx, mesh, adjacency, scale, options->period_length));
     PC_TRY(make_arrays(param, ctx, mesh, options->period_length));
     PC_TRY(pc_coupling_make(&coupling, ctx, device, mesh, adjacency, field, scale, options->period_length));
-    PC_TRY(pc_edge_rows_make(&rows, ctx, mesh, adjacency));
     PC_TRY(pc_new(&phase, ctx, 4 * (size_t)mesh->vertex_count));
     double cpu = pc_clock_cpu();
-    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &rows, &coupling,
-                        options->period_length, &options->pgp));
+    PC_TRY(pc_pgp_solve(phase, &solved, ctx, device, mesh, adjacency, &coupling, options->period_length,
+                        &options->pgp));
     stats->energy = solved.energy;
     stats->iterations = solved.iterations;
     stats->pgp_iterations = solved.iterations;
@@ -136,6 +141,7 @@ pc_status pc_param_make(pc_param *param, pc_param_stats *stats, pc_context *ctx,
     pc_log(ctx, PC_LOG_DEBUG,
            "pgp: %u iterations, energy %g, %u dislocations, %u field singularities, %u flipped",
            stats->iterations, stats->energy, stats->dislocations, stats->field_singularities, stats->flipped);
+    PC_TRY(pc_edge_rows_make(&rows, ctx, mesh, adjacency));
     PC_TRY(pc_integrate(param, ctx, device, mesh, adjacency, &coupling, &rows, field, scale, &solver,
                         INTEGRATION_TOLERANCE, &stats->iterations));
     pc_reconstruct_shifts(param, mesh, adjacency, &coupling);

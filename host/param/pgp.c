@@ -129,19 +129,20 @@ typedef struct problem {
 } problem;
 
 static pc_status pose(problem *p, const pc_mesh *mesh, const pc_adjacency *adjacency,
-                      const pc_edge_rows *rows, const pc_coupling *coupling) {
+                      const pc_coupling *coupling) {
     pc_status status = PC_OK;
+    pc_edge_rows rows = {0};
     pc_index n = p->count = mesh->vertex_count;
     PC_TRY(pc_new(&p->mass, p->ctx, n));
     PC_TRY(pc_new(&p->least, p->ctx, n));
     pc_geometry_vertex_areas(p->mass, mesh, LEAST_MASS);
     PC_TRY(least_shifts(p->least, p->ctx, mesh, adjacency));
-    PC_TRY(pc_pgp_assemble(&p->system, p->ctx, p->device, mesh, adjacency, rows, coupling));
+    PC_TRY(pc_edge_rows_make(&rows, p->ctx, mesh, adjacency));
+    PC_TRY(pc_pgp_assemble(&p->system, p->ctx, p->device, mesh, adjacency, &rows, coupling));
     PC_TRY(pc_new(&p->degree, p->ctx, n));
-    PC_TRY(pc_new(&p->diagonal, p->ctx, n));
-    PC_TRY(pc_new(&p->rhs, p->ctx, 4 * (size_t)n));
     memcpy(p->degree, p->system.diagonal, sizeof(double) * n);
 done:
+    pc_edge_rows_free(&rows, p->ctx);
     return status;
 }
 
@@ -153,31 +154,43 @@ static void dispose(problem *p) {
         pc_free(p->ctx, arrays[k]);
 }
 
-/* phase = (A + M/reach^2)^-1 M/reach^2 phase/|phase|. The solver starts from the phases as they were, norms
- * and all: around singularities, where norms vanish, those of norm 1 are far rougher than the solution. */
-static pc_status diffuse(double *phase, pc_pgp_stats *stats, problem *p, double reach, double tolerance,
-                         bool keep_system) {
+/* The solver for A + M/reach^2. */
+static pc_status aim(problem *p, double reach, bool keep_system) {
     pc_status status = PC_OK;
     const pc_solver_options solver_options = PC_SOLVER_DEFAULTS;
+    const double shift = 1 / (reach * reach);
+    if (p->solver && !p->diagonal) PC_TRY(pc_new(&p->diagonal, p->ctx, p->count));
+    double *diagonal = p->solver ? p->diagonal : p->system.diagonal;
+    for (pc_index i = 0; i < p->count; i++)
+        diagonal[i] = p->degree[i] + fmax(shift, p->least[i]) * p->mass[i];
+    if (p->solver) return pc_solver_set_diagonal(p->solver, p->ctx, diagonal);
+    PC_TRY(pc_solver_make(&p->solver, p->ctx, p->device, &p->system, &solver_options));
+    if (keep_system)
+        memcpy(p->system.diagonal, p->degree, sizeof(double) * p->count);
+    else
+        pc_system_free(&p->system, p->ctx);
+done:
+    return status;
+}
+
+/* phase = (A + M/reach^2)^-1 M/reach^2 phase/|phase|. The solver starts from the phases as they were, norms
+ * and all: around singularities, where norms vanish, those of norm 1 are far rougher than the solution.
+ * Making it takes the most memory: the first phases and the right-hand side come afterwards. */
+static pc_status diffuse(double *phase, pc_pgp_stats *stats, problem *p, double reach, double tolerance,
+                         uint64_t seed, bool keep_system) {
+    pc_status status = PC_OK;
     const double worst = 0.1; /* each step only has to bring the phases on */
     const double shift = 1 / (reach * reach);
-    for (pc_index i = 0; i < p->count; i++)
-        p->diagonal[i] = p->degree[i] + fmax(shift, p->least[i]) * p->mass[i];
+    PC_TRY(aim(p, reach, keep_system));
+    if (stats->steps == 0) {
+        start_phases(phase, p->count, seed);
+        PC_TRY(pc_new(&p->rhs, p->ctx, 4 * (size_t)p->count));
+    }
     memcpy(p->rhs, phase, sizeof(double) * 4 * p->count);
     PC_TRY(pc_pgp_normalise(p->rhs, p->ctx, p->device, p->count));
     for (size_t i = 0; i < 4 * (size_t)p->count; i++)
         p->rhs[i] *= fmax(shift, p->least[i / 4]) * p->mass[i / 4];
     if (stats->steps == 0) memset(phase, 0, sizeof(double) * 4 * p->count); /* noise is no start */
-    if (p->solver) {
-        PC_TRY(pc_solver_set_diagonal(p->solver, p->ctx, p->diagonal));
-    } else {
-        memcpy(p->system.diagonal, p->diagonal, sizeof(double) * p->count);
-        PC_TRY(pc_solver_make(&p->solver, p->ctx, p->device, &p->system, &solver_options));
-        if (keep_system)
-            memcpy(p->system.diagonal, p->degree, sizeof(double) * p->count);
-        else
-            pc_system_free(&p->system, p->ctx);
-    }
     pc_solver_stats solved;
     PC_TRY(pc_solver_approach(p->solver, p->ctx, phase, p->rhs, tolerance, worst, &solved));
     pc_log(p->ctx, PC_LOG_DEBUG, "pgp: %u iterations to residual %.1e, %.2f s + %.2f s", solved.iterations,
@@ -199,7 +212,7 @@ static pc_status normalise_and_solve(double *phase, pc_pgp_stats *stats, problem
         double reach =
             p->period_length * options->first_reach * pow(options->last_reach / options->first_reach, f);
         double tolerance = (step + 1 < options->steps ? 1 : last_step) * options->tolerance;
-        PC_TRY(diffuse(phase, stats, p, reach, tolerance, false));
+        PC_TRY(diffuse(phase, stats, p, reach, tolerance, options->seed, false));
         pc_progress(p->ctx, (step + 1.0) / options->steps);
     }
     PC_TRY(pc_pgp_normalise(phase, p->ctx, p->device, p->count));
@@ -224,7 +237,8 @@ static pc_status penalise_norms(double *phase, pc_pgp_stats *stats, problem *p,
     const double paper_area = sqrt(0.75) / 100;
     const double square = p->period_length * p->period_length;
     pc_newton_stats newton;
-    PC_TRY(diffuse(phase, stats, p, options->first_reach * p->period_length, options->tolerance, true));
+    PC_TRY(diffuse(phase, stats, p, options->first_reach * p->period_length, options->tolerance,
+                   options->seed, true));
     scale_to_unit(phase, p->count);
     pc_solver_free(p->solver, p->ctx);
     p->solver = NULL;
@@ -240,13 +254,12 @@ done:
 }
 
 pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_device *device,
-                       const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_edge_rows *rows,
-                       const pc_coupling *coupling, double period_length, const pc_pgp_options *options) {
+                       const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_coupling *coupling,
+                       double period_length, const pc_pgp_options *options) {
     pc_status status = PC_OK;
     problem p = {.ctx = ctx, .device = device, .period_length = period_length};
     *stats = (pc_pgp_stats){0};
-    PC_TRY(pose(&p, mesh, adjacency, rows, coupling));
-    start_phases(phase, p.count, options->seed);
+    PC_TRY(pose(&p, mesh, adjacency, coupling));
     if (options->scheme == PC_PGP_NEWTON)
         PC_TRY(penalise_norms(phase, stats, &p, options));
     else

@@ -48,7 +48,7 @@ pc_status pc_pgp_normalise(double *phase, pc_context *ctx, pc_device *device, pc
  * penalty, 1e-3 per vertex where ten mean edges are a period as in the paper, goes with area/period^2, so
  * that subdividing the mesh changes nothing. */
 pc_status pc_pgp_solve(double *phase, pc_pgp_stats *stats, pc_context *ctx, pc_device *device,
-                       const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_edge_rows *rows,
-                       const pc_coupling *coupling, double period_length, const pc_pgp_options *options);
+                       const pc_mesh *mesh, const pc_adjacency *adjacency, const pc_coupling *coupling,
+                       double period_length, const pc_pgp_options *options);
 
 #endif

@@ -6,14 +6,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { ROUNDS = 8, PATIENCE = 2, SWEEPS = 40, ACTIVE = 1, WAITING = 2 };
+enum { ROUNDS = 8, PATIENCE = 2, SWEEPS = 40, ACTIVE = 1, WAITING = 2, GRAIN = 4096 };
 enum { STILL = PC_PERIOD / 4096 }; /* shorter moves are not worth the neighbours' next one */
 
 typedef struct patch {
     const pc_mesh *mesh;
     const pc_adjacency *adjacency;
     pc_param *param;
-    uint8_t *active; /* per vertex: 0, ACTIVE, and WAITING where a neighbour has moved since its last move */
+    uint8_t *active;  /* per vertex: 0, ACTIVE, and WAITING where a neighbour has moved since its last move */
+    uint8_t *tangled; /* per face */
 } patch;
 
 static pc_point2 coordinate(const pc_param *param, size_t v) {
@@ -100,7 +101,7 @@ static void move_vertex(const patch *p, pc_index v) {
 static pc_index activate(patch *p, pc_index *list, int rings) {
     pc_index count = 0;
     for (pc_index f = 0; f < p->mesh->face_count; f++)
-        for (int k = 0; k < 3 && is_tangled(p, f); k++)
+        for (int k = 0; k < 3 && p->tangled[f]; k++)
             if (!p->active[p->mesh->triangle[3 * (size_t)f + (size_t)k]]) {
                 p->active[p->mesh->triangle[3 * (size_t)f + (size_t)k]] = WAITING;
                 list[count++] = p->mesh->triangle[3 * (size_t)f + (size_t)k];
@@ -126,12 +127,16 @@ pc_status pc_untangle(pc_param *param, pc_context *ctx, const pc_mesh *mesh, con
     pc_index *list = NULL, least = PC_NONE;
     int idle = 0; /* rounds in a row that gained next to nothing */
     PC_TRY(pc_new(&p.active, ctx, mesh->vertex_count));
+    PC_TRY(pc_new(&p.tangled, ctx, mesh->face_count));
     PC_TRY(pc_new(&list, ctx, mesh->vertex_count));
     for (int round = 0; round < ROUNDS; round++) {
-        pc_index count = activate(&p, list, round);
         pc_index tangled = 0, cones = 0;
+#pragma omp parallel for schedule(static, GRAIN)
         for (pc_index f = 0; f < mesh->face_count; f++)
-            if (is_tangled(&p, f)) tangled++, cones += param->singular[f] == PC_FIELD_SINGULARITY;
+            p.tangled[f] = is_tangled(&p, f);
+        pc_index count = activate(&p, list, round);
+        for (pc_index f = 0; f < mesh->face_count; f++)
+            if (p.tangled[f]) tangled++, cones += param->singular[f] == PC_FIELD_SINGULARITY;
         pc_log(ctx, PC_LOG_DEBUG, "untangle round %d: %u faces tangled, %u of them cones, %u vertices", round,
                tangled, cones, count);
         idle = tangled < 0.99 * least ? 0 : idle + 1;
@@ -149,6 +154,7 @@ pc_status pc_untangle(pc_param *param, pc_context *ctx, const pc_mesh *mesh, con
     }
 done:
     pc_free(ctx, p.active);
+    pc_free(ctx, p.tangled);
     pc_free(ctx, list);
     return status;
 }

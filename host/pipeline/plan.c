@@ -3,7 +3,7 @@
 #include <math.h>
 
 /* Measured on the scans of the tests: the program itself with PoCL, and bytes per triangle and quad. */
-static const double memory_at_least = 1e8, memory_per_triangle = 900, memory_per_quad = 1200;
+static const double memory_at_least = 1.2e8, memory_per_triangle = 560, memory_per_quad = 600;
 static const double disk_at_least = 5e6, disk_per_triangle = 700, disk_per_quad = 900;
 /* Long edges are split until a quad has about this many triangles. */
 static const double triangles_per_quad = 25;

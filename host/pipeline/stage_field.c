@@ -1,4 +1,5 @@
 /* Field: smooth crosses along the curvature. */
+#include "memory.h"
 #include "singularity.h"
 #include "stage.h"
 #include "user_order.h"
@@ -36,12 +37,22 @@ static void put_facts(pc_run *run, pc_json *facts) {
     (void)snprintf(run->record[PC_STAGE_FIELD].note, sizeof run->record->note, "%u singularities", count);
 }
 
+/* Nothing after this stage but the export reads the curvature, which loads it again; this one does without
+ * the largest part of it. */
+static void drop_tensors(pc_run *run) {
+    pc_curvature *curvature = &run->product.curvature;
+    pc_free(run->ctx, curvature->tensor);
+    pc_free(run->ctx, curvature->normal);
+    curvature->tensor = curvature->normal = NULL;
+}
+
 static pc_status make(pc_run *run, pc_json *facts) {
     const pc_held_mesh *held = &run->product.mesh;
     pc_field_options options = field_options(run->options);
     /* Features smaller than a cell only cost singularities; a horn a few cells around needs all of its own.
      */
     options.feature_length = fmax(4 * held->mean_edge, 0.75 * held->period);
+    drop_tensors(run);
     pc_status status = pc_field_make(&run->product.field, run->ctx, run->device, &held->mesh,
                                      &held->adjacency, &run->product.curvature, &options);
     if (status == PC_OK) put_facts(run, facts);

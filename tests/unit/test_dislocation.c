@@ -89,8 +89,8 @@ static pc_index count_dislocations(const bench *b) {
 }
 
 static void cancel(bench *b, pc_context *ctx, const uint8_t *guarded, double reach) {
-    assert_ok(ctx, pc_dislocations_cancel(&b->p.param, &b->cancelled, ctx, &b->mesh, &b->adjacency, guarded,
-                                          reach));
+    assert_ok(ctx, pc_dislocations_cancel(&b->p.param, &b->cancelled, NULL, ctx, &b->mesh, &b->adjacency,
+                                          guarded, reach));
 }
 
 /* Where each vertex is seen over a tree of edges, less where it was, is whole periods; with those as its new
@@ -198,6 +198,49 @@ static void guarded_ones_stay(void **state) {
     }
 }
 
+/* With what an earlier call found for the same crowd, less guarded, comes what comes without. */
+static void known_searches_change_nothing(void **state) {
+    pc_context *ctx = *state;
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        bench b;
+        pc_random random = {seed};
+        pc_dislocation_plans *known = NULL;
+        uint8_t *guarded;
+        int32_t *start, *fresh;
+        make_bench(&b, ctx, seed);
+        for (int i = 0; i < 12; i++) {
+            pc_index from = face_at(&b, 1 + 2 * pc_random_uniform(&random), 1 + pc_random_uniform(&random));
+            put_pair(&b, from, 6.3 * pc_random_uniform(&random), 1 + i % PATH, some_burgers(&random));
+        }
+        size_t shifts = 6 * (size_t)b.mesh.face_count;
+        assert_ok(ctx, pc_new(&guarded, ctx, b.mesh.vertex_count));
+        assert_ok(ctx, pc_new(&start, ctx, shifts));
+        assert_ok(ctx, pc_new(&fresh, ctx, shifts));
+        memcpy(start, b.p.param.shift, shifts * sizeof *start);
+        for (int call = 0; call < 3; call++) {
+            pc_index cancelled;
+            memcpy(b.p.param.shift, start, shifts * sizeof *start);
+            pc_reconstruct_flags(&b.p.param, &b.mesh);
+            cancel(&b, ctx, guarded, 0.7);
+            memcpy(fresh, b.p.param.shift, shifts * sizeof *fresh);
+            memcpy(b.p.param.shift, start, shifts * sizeof *start);
+            pc_reconstruct_flags(&b.p.param, &b.mesh);
+            assert_ok(ctx, pc_dislocations_cancel(&b.p.param, &cancelled, &known, ctx, &b.mesh, &b.adjacency,
+                                                  guarded, 0.7));
+            if (cancelled != b.cancelled || memcmp(fresh, b.p.param.shift, shifts * sizeof *fresh) != 0)
+                fail_msg("seed %llu: call %d differs, %u and %u cancelled", (unsigned long long)seed, call,
+                         b.cancelled, cancelled);
+            for (int i = 0; i < 60; i++)
+                guarded[pc_random_next(&random) % b.mesh.vertex_count] = 1;
+        }
+        pc_dislocation_plans_free(known, ctx);
+        pc_free(ctx, guarded);
+        pc_free(ctx, start);
+        pc_free(ctx, fresh);
+        free_bench(&b, ctx);
+    }
+}
+
 /* One at a border, whose edge has a jump without a partner, leaves there. So does one some faces inside. */
 static void borders_let_out(void **state) {
     pc_context *ctx = *state;
@@ -228,6 +271,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(pairs_vanish, make_context, free_context),
         cmocka_unit_test_setup_teardown(crowds_vanish, make_context, free_context),
         cmocka_unit_test_setup_teardown(guarded_ones_stay, make_context, free_context),
+        cmocka_unit_test_setup_teardown(known_searches_change_nothing, make_context, free_context),
         cmocka_unit_test_setup_teardown(borders_let_out, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

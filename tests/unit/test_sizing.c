@@ -51,8 +51,10 @@ static void free_bench(bench *b, pc_context *ctx) {
 }
 
 static void update(bench *b, pc_context *ctx) {
-    assert_ok(ctx, pc_sizing_update(b->scale, &b->stats, ctx, &b->scan, &b->adjacency, &b->quads, b->folded,
-                                    &b->options));
+    pc_ground ground;
+    assert_ok(ctx, pc_ground_make(&ground, ctx, &b->scan, &b->adjacency));
+    assert_ok(ctx, pc_sizing_update(b->scale, &b->stats, ctx, &ground, &b->quads, b->folded, &b->options));
+    pc_ground_free(&ground, ctx);
 }
 
 /* Between neighbours no scale falls off faster than asked. */

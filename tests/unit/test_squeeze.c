@@ -48,7 +48,10 @@ static void free_bench(bench *b, pc_context *ctx) {
 }
 
 static void mark(bench *b, pc_context *ctx, const double *scale, double least) {
-    assert_ok(ctx, pc_squeeze_mark(b->mark, &b->count, ctx, &b->p.param, &b->mesh, &b->rows, scale, least));
+    pc_squeeze squeeze;
+    assert_ok(ctx, pc_squeeze_make(&squeeze, ctx, &b->p.param, &b->mesh, &b->rows, scale));
+    assert_ok(ctx, pc_squeeze_mark(b->mark, &b->count, ctx, &squeeze, &b->p.param, &b->mesh, least));
+    pc_squeeze_free(&squeeze, ctx);
 }
 
 static void even_ones_are_not_marked(void **state) {
