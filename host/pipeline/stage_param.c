@@ -45,7 +45,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     options.seed = run->options->seed;
     options.scheme = (pc_pgp_scheme)run->options->pgp;
     if (run->options->tolerance > 0) { /* a spline can be no better than what it starts from */
-        options.reach = 0.75;
+        options.reach = 0.85;
         options.floor = 0.4;
     }
     /* Each costs as much as all before it: on a large scan one has to do. */

@@ -76,7 +76,7 @@ static void displace(fitting *f) {
  * missing, because what refinement adds is more than that. */
 static bool goes_on(fitting *f, double max) {
     enum { LEAST_ROUNDS = 3, PATIENCE = 3, LONG_PATIENCE = 8 };
-    const double good = 0.85, close = 2, hopeless = 4, worthwhile = 0.97, within = f->options->within;
+    const double good = 0.92, close = 2, hopeless = 4, worthwhile = 0.97, within = f->options->within;
     const int rounds = f->stats->rounds;
     f->stats->max = max;
     if (rounds == f->options->rounds) return false;

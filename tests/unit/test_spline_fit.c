@@ -204,6 +204,46 @@ static void torus_converges(void **state) {
     close_scene(&s, ctx);
 }
 
+static double largest_distance(pc_context *ctx, const scene *s, const pc_polymesh *quads, double within) {
+    pc_tspline spline;
+    pc_matching matching;
+    pc_fit_options options = PC_FIT_DEFAULTS;
+    pc_fit_stats stats;
+    pc_accuracy accuracy;
+    assert_ok(ctx, pc_tspline_make(&spline, ctx, quads, &defaults));
+    assert_ok(ctx, pc_matching_make(&matching, ctx, &spline, &s->target, 5));
+    options.within = within;
+    options.rounds = 12;
+    assert_ok(ctx, pc_fit(&spline, &stats, ctx, s->host, &s->target, &matching, &options));
+    assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s->target, NULL, 5));
+    print_message("%d rounds: largest distance %.3g, mean %.3g\n", stats.rounds, accuracy.max,
+                  accuracy.scan_mean);
+    if (within > 0) assert_true(stats.rounds < options.rounds && accuracy.max < 1.1 * within);
+    pc_matching_free(&matching, ctx);
+    pc_tspline_free(&spline, ctx);
+    return accuracy.max;
+}
+
+/* A bump narrower than the quads: least squares leave a part of it out, weights that add up do not; and they
+ * stop where it is enough. */
+static void weights_serve_the_largest_distance(void **state) {
+    pc_context *ctx = *state;
+    scene s = {0};
+    pc_polymesh quads;
+    assert_ok(ctx, pc_synth_plane(&s.scan, ctx, 8, 8, 96, 96));
+    for (pc_index v = 0; v < s.scan.vertex_count; v++) {
+        double *p = s.scan.position + 3 * (size_t)v;
+        p[2] = 0.5 * exp(-(pow(p[0] - 4.3, 2) + pow(p[1] - 3.8, 2)) / 0.3);
+    }
+    open_scene(&s, ctx);
+    assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 8, 8, 10, 10));
+    const double plain = largest_distance(ctx, &s, &quads, 0);
+    const double weighted = largest_distance(ctx, &s, &quads, 0.7 * plain);
+    assert_true(weighted < 0.8 * plain);
+    pc_polymesh_free(&quads, ctx);
+    close_scene(&s, ctx);
+}
+
 /* The same sphere a thousand times as large gives the same surface a thousand times as large. */
 static void scale_does_not_matter(void **state) {
     pc_context *ctx = *state;
@@ -294,6 +334,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_spline_is_found_again, make_context, free_context),
         cmocka_unit_test_setup_teardown(right_sides_are_gradients, make_context, free_context),
         cmocka_unit_test_setup_teardown(torus_converges, make_context, free_context),
+        cmocka_unit_test_setup_teardown(weights_serve_the_largest_distance, make_context, free_context),
         cmocka_unit_test_setup_teardown(scale_does_not_matter, make_context, free_context),
         cmocka_unit_test_setup_teardown(borders_are_reached, make_context, free_context),
         cmocka_unit_test_setup_teardown(budgets_are_kept, make_context, free_context),
