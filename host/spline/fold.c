@@ -13,6 +13,7 @@ static bool is_torn(const pc_footpoints *feet, const pc_vec3 *point, pc_index f,
     return pc_distance(foot[i].point, foot[j].point) > most_stretch * pc_distance(point[i], point[j]);
 }
 
+/* Feet that are opposed; with `torn` also those that are torn apart or held. */
 static bool has_bad_feet(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, bool torn) {
     enum { MOST_PER_SIDE = 16 };
     pc_vec3 point[MOST_PER_SIDE * MOST_PER_SIDE];
@@ -55,6 +56,7 @@ pc_index pc_folds_find(uint8_t *folded, const pc_tspline *spline, const pc_targe
     memset(folded, 0, spline->mesh.face_count);
     for (pc_index v = 0; v < matching->vertices.count; v++)
         if (is_opposed(matching, spline, target, v)) folded[matching->vertices.spot[v].face] = 1;
+#pragma omp parallel for schedule(dynamic, 64) reduction(+ : count)
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
         folded[f] = !spline->mesh.face[f].ghost && (!error || error[f].max > tolerance) &&
                     (folded[f] || has_bad_feet(&matching->feet, spline, f, error != NULL));
@@ -315,10 +317,10 @@ static void match_vertex(opening *o, pc_index local) {
     o->matching->vertices.spot[o->below.vertex[local]] = spot;
 }
 
-static pc_status try_disk(bool *done_, opening *o, pc_context *ctx) {
+static pc_status try_disk(bool *opened, opening *o, pc_context *ctx) {
     pc_status status = PC_OK;
     bool laid;
-    *done_ = false;
+    *opened = false;
     PC_TRY(cut_out(o, ctx));
     if (!o->above.loop_count || !o->below.loop_count || !rims_agree(o)) goto done;
     PC_TRY(lay_above(o, ctx));
@@ -333,7 +335,7 @@ static pc_status try_disk(bool *done_, opening *o, pc_context *ctx) {
         if (!o->below.adjacency.vertex_boundary[v] ||
             o->target->adjacency->vertex_boundary[o->below.vertex[v]])
             match_vertex(o, v);
-    *done_ = true;
+    *opened = true;
 done:
     pc_disk_free(&o->above, ctx);
     pc_disk_free(&o->below, ctx);

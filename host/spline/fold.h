@@ -7,8 +7,9 @@
 #include "accuracy.h"
 #include "matching.h"
 
-/* Marks such faces: farther away than the tolerance, with feet that are opposed or torn apart, or with
- * vertices of the scan that are far from their places. `folded`: one per face. Their number. */
+/* Marks such faces: farther away than the tolerance (model units), with feet that are opposed, torn apart or
+ * held, or with vertices of the scan that the surface faces away from. Without `error`: all faces with
+ * opposed feet or vertices, however near. `folded`: one per face. Their number. */
 pc_index pc_folds_find(uint8_t *folded, const pc_tspline *spline, const pc_target *target,
                        const pc_matching *matching, const pc_face_error *error, double tolerance);
 
