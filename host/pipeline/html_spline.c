@@ -17,6 +17,12 @@ static void put_count(pc_html *html, const char *name, double value) {
     pc_html_row_end(html);
 }
 
+static void put_number(pc_html *html, const char *name, double value) {
+    pc_html_row(html, name);
+    pc_html_number(html, value);
+    pc_html_row_end(html);
+}
+
 /* A length, and what that is of the diagonal. */
 static void put_length(pc_html *html, const char *name, double length, double diagonal) {
     pc_html_row(html, name);
@@ -35,6 +41,8 @@ static void put_figures(pc_html *html, const pc_findings *findings, const pc_alb
     put_count(html, "faces in CAD files", findings->spline.shell.face_count);
     put_count(html, "border edges in CAD files", findings->spline.shell.border_count);
     put_count(html, "rounds of refinement", held->stats.rounds);
+    put_number(html, "area, units of the scan squared", findings->spline.measure.area);
+    if (findings->spline.measure.closed) put_number(html, "volume", findings->spline.measure.volume);
     pc_html_put(html, "</tbody></table>\n<table><caption>Distance <span class=\"soft\">(of the "
                       "diagonal)</span></caption><tbody>\n");
     put_length(html, "tolerance", held->tolerance, held->diagonal);

@@ -18,6 +18,7 @@ pc_status pc_spline_findings_make(pc_spline_findings *findings, pc_run *run) {
     pc_status status = PC_OK;
     *findings = (pc_spline_findings){.held = held};
     pc_continuity_measure(findings->jump, &held->surface, PER_SIDE);
+    PC_TRY(pc_tspline_measure(&findings->measure, run->ctx, &held->surface));
     PC_TRY(pc_shell_make(&findings->shell, run->ctx, &held->surface));
     PC_TRY(pc_shell_check(&findings->shell, run->ctx, held->diagonal));
 done:
@@ -59,6 +60,8 @@ void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings) {
     pc_json_integer(json, "samples", (int64_t)accuracy->samples);
     pc_json_integer(json, "samples_beyond_borders", (int64_t)accuracy->beyond);
     pc_json_close(json);
+    pc_json_number(json, "area", findings->measure.area);
+    if (findings->measure.closed) pc_json_number(json, "volume", findings->measure.volume);
     pc_json_object(json, "jumps");
     for (int c = 0; c < PC_JOINT_COUNT; c++)
         put_jump(json, pc_joint_name((pc_joint)c), findings->jump + c, held->diagonal);

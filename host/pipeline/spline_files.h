@@ -4,6 +4,7 @@
 
 #include "certificate.h"
 #include "continuity.h"
+#include "measure.h"
 #include "shell.h"
 #include "stage.h"
 
@@ -11,6 +12,7 @@ typedef struct pc_spline_findings {
     const pc_held_spline *held; /* borrowed */
     pc_shell shell;
     pc_jump jump[PC_JOINT_COUNT];
+    pc_measure measure;
 } pc_spline_findings;
 
 /* Of the spline that the run holds. PC_E_NOMEM, PC_E_BUG where the shell is not one. */
