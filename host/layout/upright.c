@@ -376,7 +376,7 @@ static pc_status look_at_all(uprighting *u, pc_context *ctx, const pc_upright_me
 #pragma omp parallel for schedule(static)
     for (pc_index v = 0; v < vertices; v++) {
         const pc_index old = vertex[v];
-        if (old != PC_NONE) {
+        if (m && old != PC_NONE) {
             u->normal[v] = m->normal[old], u->hint[v] = m->hint[old];
             if (stands_among_the_same(u, v, m, old, face)) u->stuck[v] = m->stuck[old];
             continue;
@@ -388,8 +388,8 @@ static pc_status look_at_all(uprighting *u, pc_context *ctx, const pc_upright_me
 #pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < faces; f++) {
         const pc_index old = face[f];
-        u->penalty[f] = old != PC_NONE ? m->penalty[old] : -1;
-        if (old != PC_NONE) u->folded[f] = m->folded[old], u->bent[f] = m->bent[old];
+        u->penalty[f] = m && old != PC_NONE ? m->penalty[old] : -1;
+        if (m && old != PC_NONE) u->folded[f] = m->folded[old], u->bent[f] = m->bent[old];
         (void)penalty(u, f);
     }
 done:
@@ -421,7 +421,8 @@ done:
 pc_status pc_upright_make(pc_polymesh *quads, uint8_t *folded, pc_index *left, pc_upright_memory **memory,
                           pc_context *ctx, const pc_ground *ground, const pc_upright_options *options) {
     pc_status status = PC_OK;
-    uprighting u = {.quads = quads, .ground = ground, .folded = folded};
+    uprighting u = {.quads = quads, .ground = ground};
+    u.folded = folded;
     *left = 0;
     PC_TRY(allocate(&u, ctx));
     PC_TRY(look_at_all(&u, ctx, memory ? *memory : NULL));

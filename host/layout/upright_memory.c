@@ -10,7 +10,8 @@ static size_t slot_of(const double *position, size_t mask) {
 }
 
 static bool is_at(const pc_polymesh *quads, pc_index v, const double *position) {
-    return memcmp(quads->position + 3 * (size_t)v, position, 3 * sizeof *position) == 0;
+    const double *p = quads->position + 3 * (size_t)v;
+    return p[0] == position[0] && p[1] == position[1] && p[2] == position[2];
 }
 
 /* An open table of the unmoved vertices by their place, the first one where several stand there. */

@@ -305,7 +305,7 @@ static pc_status cancel(search *s, pc_index *cancelled, pc_context *ctx) {
     plan *plans = NULL, **open = NULL;
     size_t open_count;
     PC_TRY(pc_new(&plans, ctx, s->plans->count));
-    PC_TRY(pc_new(&open, ctx, s->plans->count));
+    PC_TRY(pc_new(&open, ctx, s->plans->count)); /* NOLINT(bugprone-sizeof-expression): pointers */
     memcpy(plans, s->plans->plan, s->plans->count * sizeof *plans);
     for (int round = 0; round < MOST_ROUNDS; round++) {
         pc_index before = *cancelled;
