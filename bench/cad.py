@@ -80,12 +80,12 @@ def row(folder):
         area += weight @ np.linalg.norm(normals, axis=1)
         volume += weight @ np.einsum("ij,ij->i", points, normals) / 3
         most = max(most, farthest(tree, points[:: max(1, len(points) // 9)]))
-    border = spline["shell"]["border_edges"]
-    name = os.path.basename(os.path.normpath(folder))
-    off = f"{100 * (volume / spline["volume"] - 1):.4f}" if "volume" in spline else "open"
-    print(f"| {name} | {spline['shell']['faces']:,} | {len(faces):,} | {len(solids)} | {border} | {shared.count(1)} | "
-          f"{100 * (area / spline["area"] - 1):.4f} | {off} | {100 * most / diagonal:.3f} | {100 * spline['tolerance']:.2g} | {read:.1f} |",
-          flush=True)
+    shell, name = spline["shell"], os.path.basename(os.path.normpath(folder))
+    off = f"{100 * (volume / spline['volume'] - 1):.4f}" if "volume" in spline else "open"
+    cells = (name, f"{shell['faces']:,}", f"{len(faces):,}", len(solids), shell["border_edges"], shared.count(1),
+             f"{100 * (area / spline['area'] - 1):.4f}", off, f"{100 * most / diagonal:.3f}", f"{100 * spline['tolerance']:.2g}",
+             f"{read:.1f}")
+    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
 
 
 def main():
