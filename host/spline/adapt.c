@@ -49,8 +49,9 @@ typedef struct adapting {
     pc_face_error *error; /* per face of the present mesh */
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
-    int vain; /* rounds since it became much better */
-    bool fitted, opened;
+    int vain;    /* rounds since it became much better */
+    bool fitted; /* at least once */
+    bool opened; /* folds, instead of refining, in the last round */
 } adapting;
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {

@@ -6,13 +6,6 @@
 
 /* ---- Which faces ---- */
 
-/* Feet beside each other are much farther apart than the points above them. */
-static bool is_torn(const pc_footpoints *feet, const pc_vec3 *point, pc_index f, int i, int j) {
-    const double most_stretch = 3;
-    const pc_foot *foot = feet->foot + (size_t)f * (size_t)(feet->per_side * feet->per_side);
-    return pc_distance(foot[i].point, foot[j].point) > most_stretch * pc_distance(point[i], point[j]);
-}
-
 /* Feet that are opposed; with `torn` also those that are torn apart or held. */
 static bool has_bad_feet(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, bool torn) {
     enum { MOST_PER_SIDE = 16 };
@@ -27,8 +20,10 @@ static bool has_bad_feet(const pc_footpoints *feet, const pc_tspline *spline, pc
         point[i] = pc_tspline_point(spline, pc_tspline_place(spline, f, at[0], at[1]));
     }
     for (int i = 0; torn && i < n * n; i++) {
-        if ((i + 1) % n && is_torn(feet, point, f, i, i + 1)) return true;
-        if (i + n < n * n && is_torn(feet, point, f, i, i + n)) return true;
+        if ((i + 1) % n && pc_footpoints_torn(feet, f, i, i + 1, pc_distance(point[i], point[i + 1])))
+            return true;
+        if (i + n < n * n && pc_footpoints_torn(feet, f, i, i + n, pc_distance(point[i], point[i + n])))
+            return true;
     }
     return false;
 }

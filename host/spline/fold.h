@@ -13,9 +13,9 @@
 pc_index pc_folds_find(uint8_t *folded, const pc_tspline *spline, const pc_target *target,
                        const pc_matching *matching, const pc_face_error *error, double tolerance);
 
-/* Matches what is around the folded faces anew. The pairs are kept together until they are within `tolerance`
- * of each other. `opened` (may be NULL): disks for which that went well; others stay as they are. The
- * same bytes for any number of threads. PC_E_NOMEM. */
+/* Matches what is around the folded faces anew. A pair is held until following it leads to within
+ * `tolerance`: what has only slid along the surface is let go. `opened` (may be NULL): disks for which that
+ * went well; others stay as they are. The same bytes for any number of threads. PC_E_NOMEM. */
 pc_status pc_folds_open(pc_matching *matching, pc_index *opened, pc_context *ctx, const pc_tspline *spline,
                         const pc_target *target, const uint8_t *folded, double tolerance);
 

@@ -183,15 +183,20 @@ void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan) {
             feet->foot[i].point = pc_footpoints_point(scan, feet->foot + i);
 }
 
-bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j) {
+bool pc_footpoints_torn(const pc_footpoints *feet, pc_index f, int i, int j, double step) {
     const double most_stretch = 3;
+    const pc_foot *foot = feet->foot + (size_t)f * (size_t)(feet->per_side * feet->per_side);
+    return pc_distance(foot[i].point, foot[j].point) > most_stretch * step;
+}
+
+bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j) {
     const pc_foot *foot = feet->foot + (size_t)f * (size_t)(feet->per_side * feet->per_side);
     pc_vec3 c[4], normal;
     if (foot[i].opposed || foot[j].opposed) return true;
     flat_corners(c, spline, f);
-    const double step =
-        pc_distance(flat_point(&normal, c, feet->per_side, i), flat_point(&normal, c, feet->per_side, j));
-    return pc_distance(foot[i].point, foot[j].point) > most_stretch * step;
+    return pc_footpoints_torn(
+        feet, f, i, j,
+        pc_distance(flat_point(&normal, c, feet->per_side, i), flat_point(&normal, c, feet->per_side, j)));
 }
 
 static pc_status make_room(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh) {

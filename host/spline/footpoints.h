@@ -36,8 +36,11 @@ void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan);
  * is opposed. */
 bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j);
 
-/* Every foot walks downhill to the point of the scan nearest to the surface's; those that are held once the
- * surface is within `let_go` of them. */
+/* Feet i and j of face f are much farther apart than `step`, which the points above them are. */
+bool pc_footpoints_torn(const pc_footpoints *feet, pc_index f, int i, int j, double step);
+
+/* Every foot walks downhill to the point of the scan nearest to the surface's; one that is held only where
+ * that ends within `let_go` of the surface, and not opposed. */
 void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target,
                           double let_go);
 /* Grids of a mesh whose faces are parts of those so far (pc_tface.root), each foot where the nearest of

@@ -8,7 +8,7 @@
 typedef struct pc_matching {
     pc_footpoints feet;         /* of the surface on the scan */
     pc_correspondence vertices; /* of the scan on the surface */
-    double let_go;              /* pairs that are held are kept until they are as near as this */
+    double let_go;              /* pairs that are held are kept until following them leads as near as this */
 } pc_matching;
 
 /* Of a surface whose control points still lie on the scan: by the bilinear faces between them. `per_side`
