@@ -7,13 +7,21 @@
 #include <CL/cl.h>
 #include <stdatomic.h>
 
-enum { PC_PENDING_EVENTS = 512, PC_MOST_DEVICES = 32 };
+enum { PC_PENDING_EVENTS = 512, PC_MOST_DEVICES = 32, PC_MOST_VARIANTS = 8 };
+
+/* What a runtime may compile a kernel anew for. */
+typedef struct pc_variant {
+    size_t local;
+    bool wide; /* more work-items than 16 bits count */
+} pc_variant;
 
 struct pc_kernel {
     pc_kernel *next;
     pc_device *device;
     cl_kernel handle;
     char name[64];
+    pc_variant variant[PC_MOST_VARIANTS]; /* launched so far; members only */
+    int variant_count;
     uint64_t count;
     double seconds;
     double bytes;

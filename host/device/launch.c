@@ -54,6 +54,16 @@ pc_status pc_launch_harvest(pc_context *ctx, pc_device *device) {
     return PC_OK;
 }
 
+/* Waits for the first launch of every variant on a member: PoCL 3.1 loses count of a kernel that two devices
+ * start for the first time at once, and aborts (pocl_release_dlhandle_cache). */
+static pc_status wait_for_first(pc_context *ctx, pc_kernel *kernel, size_t items, size_t local) {
+    const pc_variant now = {local, items > UINT16_MAX};
+    for (int i = 0; i < kernel->variant_count; i++)
+        if (kernel->variant[i].local == now.local && kernel->variant[i].wide == now.wide) return PC_OK;
+    if (kernel->variant_count < PC_MOST_VARIANTS) kernel->variant[kernel->variant_count++] = now;
+    return pc_launch_wait(ctx, kernel->device);
+}
+
 pc_status pc_kernel_run(pc_context *ctx, pc_kernel *kernel, size_t items, size_t local, double bytes,
                         const pc_argument *arguments, size_t count) {
     pc_device *device = kernel->device;
@@ -79,7 +89,7 @@ pc_status pc_kernel_run(pc_context *ctx, pc_kernel *kernel, size_t items, size_t
     device->pending[device->pending_count++] = (pc_pending){event, kernel};
     kernel->count++;
     kernel->bytes += bytes;
-    return PC_OK;
+    return device->copies ? wait_for_first(ctx, kernel, items, local) : PC_OK;
 }
 
 pc_status pc_launch_wait(pc_context *ctx, pc_device *device) {
