@@ -279,43 +279,151 @@ static pc_status check_regular(const pc_basis *basis, pc_basis_facts *facts, uin
     return PC_OK;
 }
 
-/* The functions that live on irregular faces only, face by face: those not seen yet, together. */
+/* Functions that live on irregular faces only. */
+typedef struct unseen_functions {
+    const pc_basis *basis;
+    uint8_t *seen;    /* per vertex: known to be independent of all others */
+    pc_index *column; /* per vertex, PC_NONE where it is not among `count` */
+    pc_index *face;   /* irregular faces not shown yet, in the order of their numbers */
+    size_t faces;
+    pc_index count;
+} unseen_functions;
+
+static bool is_irregular(const pc_basis *basis, pc_index f) {
+    const pc_index first = basis->face_start[f];
+    return first < basis->face_start[f + 1] && basis->element[first].irregular;
+}
+
+/* Numbers the functions of faces `from` to `to` of the list; their smallest pivot, 1 where there are none. */
+static pc_status pivot_of(double *pivot, unseen_functions *u, pc_context *ctx, size_t from, size_t to) {
+    pc_status status = PC_OK;
+    const pc_basis *basis = u->basis;
+    double *a = NULL, c[16];
+    size_t elements = 0, row = 0;
+    u->count = 0;
+    for (size_t i = from; i < to; i++) {
+        const pc_index first = basis->face_start[u->face[i]], last = basis->face_start[u->face[i] + 1];
+        elements += last - first;
+        for (size_t k = basis->start[first]; k < basis->start[last]; k++)
+            if (!u->seen[basis->point[k]] && u->column[basis->point[k]] == PC_NONE)
+                u->column[basis->point[k]] = u->count++;
+    }
+    if (u->count) PC_TRY(pc_new(&a, ctx, 16 * elements * u->count));
+    for (size_t i = from; i < to; i++)
+        for (pc_index e = basis->face_start[u->face[i]]; e < basis->face_start[u->face[i] + 1];
+             e++, row += 16)
+            for (size_t k = basis->start[e]; u->count && k < basis->start[e + 1]; k++) {
+                const pc_index j = u->column[basis->point[k]];
+                pc_basis_coefficients(c, basis, e, k);
+                for (size_t q = 0; q < 16 && j != PC_NONE; q++)
+                    a[(row + q) * u->count + j] = c[q];
+            }
+    *pivot = u->count ? relative_rank(a, row, u->count) : 1;
+done:
+    pc_free(ctx, a);
+    return status;
+}
+
+static void forget(unseen_functions *u, size_t from, size_t to, bool shown) {
+    const pc_basis *basis = u->basis;
+    for (size_t i = from; i < to; i++)
+        for (size_t k = basis->start[basis->face_start[u->face[i]]];
+             k < basis->start[basis->face_start[u->face[i] + 1]]; k++) {
+            u->seen[basis->point[k]] |= shown;
+            u->column[basis->point[k]] = PC_NONE;
+        }
+}
+
+static const double least_pivot = 1e-13;
+
+/* Shows faces one by one, each with what the others have shown before, as long as there is progress. */
+static pc_status show_faces(unseen_functions *u, pc_basis_facts *facts, pc_context *ctx) {
+    pc_status status = PC_OK;
+    size_t before;
+    do {
+        before = u->faces, u->faces = 0;
+        for (size_t i = 0; i < before; i++) {
+            double pivot;
+            PC_TRY(pivot_of(&pivot, u, ctx, i, i + 1));
+            const bool shown = pivot > least_pivot;
+            forget(u, i, i + 1, shown);
+            if (shown)
+                facts->least_pivot = fmin(facts->least_pivot, pivot);
+            else
+                u->face[u->faces++] = u->face[i];
+        }
+    } while (u->faces && u->faces < before);
+done:
+    return status;
+}
+
+static bool shares_a_function(const unseen_functions *u, pc_index f) {
+    const pc_basis *basis = u->basis;
+    for (size_t k = basis->start[basis->face_start[f]]; k < basis->start[basis->face_start[f + 1]]; k++)
+        if (u->column[basis->point[k]] != PC_NONE) return true;
+    return false;
+}
+
+static void mark(unseen_functions *u, pc_index f) {
+    const pc_basis *basis = u->basis;
+    for (size_t k = basis->start[basis->face_start[f]]; k < basis->start[basis->face_start[f + 1]]; k++)
+        if (!u->seen[basis->point[k]]) u->column[basis->point[k]] = 0;
+}
+
+/* Moves the faces that hang together with the first by unseen functions to the front; returns how many. */
+static size_t gather(unseen_functions *u) {
+    size_t count = 1, before;
+    mark(u, u->face[0]);
+    do {
+        before = count;
+        for (size_t i = count; i < u->faces; i++) {
+            const pc_index f = u->face[i];
+            if (!shares_a_function(u, f)) continue;
+            mark(u, f);
+            u->face[i] = u->face[count];
+            u->face[count++] = f;
+        }
+    } while (count > before);
+    forget(u, 0, count, false);
+    return count;
+}
+
+/* What no face shows by itself: on one with several extraordinary corners functions can be dependent that are
+ * independent on the faces around it together (Peters, Wu 2006). */
+static pc_status show_together(unseen_functions *u, pc_basis_facts *facts, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const size_t most = 500; /* faces: more are not eliminated in reasonable time */
+    while (u->faces) {
+        double pivot = 0;
+        const size_t count = gather(u);
+        if (count <= most) PC_TRY(pivot_of(&pivot, u, ctx, 0, count));
+        if (!(pivot > least_pivot))
+            PC_TRY(pc_fail(ctx, PC_E_MESH,
+                           "the functions around irregular face %u (%zu faces) are not independent",
+                           u->face[0], count));
+        forget(u, 0, count, true);
+        facts->least_pivot = fmin(facts->least_pivot, pivot);
+        u->faces -= count;
+        memmove(u->face, u->face + count, u->faces * sizeof *u->face);
+    }
+done:
+    return status;
+}
+
 static pc_status check_irregular(const pc_basis *basis, pc_basis_facts *facts, uint8_t *seen,
                                  pc_context *ctx) {
     pc_status status = PC_OK;
-    double *a = NULL, c[16];
-    pc_index *column = NULL;
-    PC_TRY(pc_new(&column, ctx, basis->vertex_count));
-    memset(column, 0xff, basis->vertex_count * sizeof *column);
-    for (pc_index f = 0; f < basis->face_count; f++) {
-        pc_index first = basis->face_start[f], last = basis->face_start[f + 1], unseen = 0;
-        if (first == last || !basis->element[first].irregular) continue;
-        for (size_t k = basis->start[first]; k < basis->start[last]; k++)
-            if (!seen[basis->point[k]] && column[basis->point[k]] == PC_NONE)
-                column[basis->point[k]] = unseen++;
-        if (unseen) {
-            size_t rows = 16 * (size_t)(last - first);
-            PC_TRY(pc_new(&a, ctx, rows * unseen));
-            for (pc_index e = first; e < last; e++)
-                for (size_t k = basis->start[e]; k < basis->start[e + 1]; k++) {
-                    pc_index j = column[basis->point[k]];
-                    pc_basis_coefficients(c, basis, e, k);
-                    for (size_t i = 0; i < 16 && j != PC_NONE; i++)
-                        a[(16 * (size_t)(e - first) + i) * unseen + j] = c[i];
-                }
-            double pivot = relative_rank(a, rows, unseen);
-            pc_free(ctx, a), a = NULL;
-            facts->least_pivot = fmin(facts->least_pivot, pivot);
-            if (!(pivot > 1e-13))
-                PC_TRY(pc_fail(ctx, PC_E_MESH,
-                               "the %u functions around irregular face %u are not independent", unseen, f));
-        }
-        for (size_t k = basis->start[first]; k < basis->start[last]; k++)
-            seen[basis->point[k]] = 1, column[basis->point[k]] = PC_NONE;
-    }
+    unseen_functions u = {.basis = basis, .seen = seen};
+    PC_TRY(pc_new(&u.face, ctx, basis->face_count));
+    PC_TRY(pc_new(&u.column, ctx, basis->vertex_count));
+    memset(u.column, 0xff, basis->vertex_count * sizeof *u.column);
+    for (pc_index f = 0; f < basis->face_count; f++)
+        if (is_irregular(basis, f)) u.face[u.faces++] = f;
+    PC_TRY(show_faces(&u, facts, ctx));
+    PC_TRY(show_together(&u, facts, ctx));
 done:
-    pc_free(ctx, a);
-    pc_free(ctx, column);
+    pc_free(ctx, u.face);
+    pc_free(ctx, u.column);
     return status;
 }
 
