@@ -10,6 +10,7 @@ typedef struct bridging {
     pc_index *at;       /* per vertex of the T-mesh: the triangle of the scan it is on */
     uint8_t *is_anchor; /* per vertex of the scan: on such a triangle */
     uint8_t *is_loose;
+    uint8_t *is_stale; /* per face of the T-mesh: there is a loose vertex at a foot of it */
     pc_index *loose;
     pc_index loose_count;
     pc_index *list[2];
@@ -113,6 +114,18 @@ static void stretch_membrane(bridging *b) {
         }
 }
 
+static void find_stale(bridging *b) {
+    const size_t each = (size_t)(b->feet->per_side * b->feet->per_side);
+#pragma omp parallel for schedule(static)
+    for (pc_index f = 0; f < b->feet->face_count; f++) {
+        b->is_stale[f] = 0;
+        for (size_t i = 0; i < 3 * each && !b->spline->mesh.face[f].ghost; i++) {
+            const pc_foot *foot = b->feet->foot + f * each + i / 3;
+            b->is_stale[f] |= b->is_loose[b->target->mesh->triangle[3 * (size_t)foot->triangle + i % 3]];
+        }
+    }
+}
+
 static pc_status find_anchors(bridging *b, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_tmesh *mesh = &b->spline->mesh;
@@ -142,6 +155,7 @@ pc_status pc_bridge_make(pc_mesh *flat, pc_footpoints *feet, pc_context *ctx, co
     PC_TRY(pc_new(&b.at, ctx, spline->mesh.vertex_count));
     PC_TRY(pc_new(&b.is_anchor, ctx, count));
     PC_TRY(pc_new(&b.is_loose, ctx, count));
+    PC_TRY(pc_new(&b.is_stale, ctx, spline->mesh.face_count));
     PC_TRY(pc_new(&b.loose, ctx, count));
     for (int k = 0; k < 2; k++) {
         PC_TRY(pc_new(&b.list[k], ctx, count + 3));
@@ -150,15 +164,17 @@ pc_status pc_bridge_make(pc_mesh *flat, pc_footpoints *feet, pc_context *ctx, co
     }
     PC_TRY(find_anchors(&b, ctx));
     for (int attempt = 0;; attempt++) {
-        pc_footpoints_land(feet, spline, flat, target->adjacency, b.at);
+        pc_footpoints_land(feet, spline, flat, target->adjacency, b.at, attempt ? b.is_stale : NULL);
         if (attempt == TRIES || !find_gaps(&b, 0.25 + 0.25 * attempt)) break;
         stretch_membrane(&b);
+        find_stale(&b);
     }
     pc_log(ctx, PC_LOG_DEBUG, "spline: %u vertices of the scan drawn flat", b.loose_count);
 done:
     pc_free(ctx, b.at);
     pc_free(ctx, b.is_anchor);
     pc_free(ctx, b.is_loose);
+    pc_free(ctx, b.is_stale);
     pc_free(ctx, b.loose);
     for (int k = 0; k < 2; k++) {
         pc_free(ctx, b.list[k]);

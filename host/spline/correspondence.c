@@ -13,12 +13,12 @@ static void put_place(pc_correspondence *c, const pc_tspline *spline, pc_index v
 }
 
 void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
-                              double let_go) {
+                              double let_go, const uint8_t *active) {
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index v = 0; v < c->count; v++) {
+        if (c->spot[v].face == PC_NONE || (active && !active[c->spot[v].face])) continue;
         const pc_surface_place place = pc_correspondence_place(c, spline, v);
         const pc_vec3 x = pc_vec3_at(target->mesh->position, v);
-        if (place.element == PC_NONE) continue;
         const pc_nearest next = pc_nearest_from(spline, place, x);
         if (c->spot[v].held && !(next.distance < let_go)) continue;
         const float stress = c->spot[v].stress;

@@ -25,10 +25,10 @@ pc_status pc_correspondence_make(pc_correspondence *c, pc_context *ctx, const pc
                                  const pc_target *target, const pc_mesh *flat);
 void pc_correspondence_free(pc_correspondence *c, pc_context *ctx);
 
-/* Every vertex moves to the nearest point in its neighbourhood; one that is held only where
- * that is within `let_go` of it. The same bytes for any number of threads. */
+/* Every vertex at a face with active[f] (NULL: all) moves to the nearest point in its neighbourhood; one that
+ * is held only where that is within `let_go` of it. The same bytes for any number of threads. */
 void pc_correspondence_follow(pc_correspondence *c, const pc_tspline *spline, const pc_target *target,
-                              double let_go);
+                              double let_go, const uint8_t *active);
 /* The same places on a mesh whose faces are parts of those so far (pc_tface.root). PC_E_NOMEM. */
 pc_status pc_correspondence_carry(pc_correspondence *c, pc_context *ctx, const pc_tmesh *refined);
 

@@ -1,5 +1,7 @@
 #include "disk.h"
+#include "convexmap.h"
 #include "memory.h"
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Which triangles ---- */
@@ -225,32 +227,57 @@ static void weigh(double *pull, const pc_disk *disk, const double *length) {
     }
 }
 
-/* Vertices inside move to the means of those around, over and over. */
-static void settle(pc_disk *disk, const double *pull) {
-    enum { MOST_SWEEPS = 4000 };
-    const double beyond = 1.7, enough = 1e-7;
+static int compare(const void *x, const void *y) {
+    const pc_index a = *(const pc_index *)x, b = *(const pc_index *)y;
+    return (a > b) - (a < b);
+}
+
+/* Vertices inside are means of those around, the rim is fixed. */
+static pc_status make_map(pc_convexmap *map, pc_context *ctx, const pc_disk *disk, const double *pull) {
+    pc_status status = PC_OK;
     const pc_adjacency *a = &disk->adjacency;
-    double *x = disk->mesh.position, moved = 1;
-    for (int sweep = 0; sweep < MOST_SWEEPS && moved > enough; sweep++) {
-        moved = 0;
-        for (pc_index i = 0; i < disk->mesh.vertex_count; i++) {
-            const pc_index v = sweep % 2 ? disk->mesh.vertex_count - 1 - i : i, first = a->vertex_half[v];
-            double sum[2] = {0, 0}, total = 0;
-            if (a->vertex_boundary[v]) continue;
-            pc_index h = first;
-            do {
-                const double *y = x + 3 * (size_t)pc_head(&disk->mesh, h);
-                sum[0] += pull[h] * y[0], sum[1] += pull[h] * y[1];
-                total += pull[h];
-                h = pc_turn_ccw(a, h);
-            } while (h != first);
-            for (size_t k = 0; k < 2; k++) {
-                const double step = beyond * (sum[k] / total - x[3 * (size_t)v + k]);
-                x[3 * (size_t)v + k] += step;
-                moved = fmax(moved, fabs(step));
-            }
+    size_t count = 0;
+    double *share = NULL; /* per vertex, of the row at hand */
+    PC_TRY(pc_new(&share, ctx, disk->mesh.vertex_count));
+    PC_TRY(pc_convexmap_make(map, ctx, disk->mesh.vertex_count, 3 * (size_t)disk->mesh.face_count));
+    for (pc_index v = 0; v < map->count; v++) {
+        const size_t from = count;
+        const pc_index first = a->vertex_half[v];
+        double total = 0;
+        for (pc_index h = first; !a->vertex_boundary[v];) {
+            const pc_index w = pc_head(&disk->mesh, h);
+            map->column[count++] = w;
+            share[w] = pull[h];
+            total += pull[h];
+            h = pc_turn_ccw(a, h);
+            if (h == first) break;
         }
+        qsort(map->column + from, count - from, sizeof *map->column, compare);
+        for (size_t e = from; e < count; e++)
+            map->weight[e] = share[map->column[e]] / total;
+        map->start[v + 1] = count;
     }
+done:
+    pc_free(ctx, share);
+    return status;
+}
+
+static pc_status settle(pc_disk *disk, pc_context *ctx, const double *pull) {
+    const double tolerance = 1e-10; /* of the circle's radius */
+    pc_status status = PC_OK;
+    pc_convexmap map = {0};
+    double *flat = NULL;
+    PC_TRY(make_map(&map, ctx, disk, pull));
+    PC_TRY(pc_new(&flat, ctx, 2 * (size_t)map.count));
+    for (size_t i = 0; i < 2 * (size_t)map.count; i++)
+        flat[i] = disk->mesh.position[i / 2 * 3 + i % 2];
+    PC_TRY(pc_convexmap_solve(flat, ctx, &map, tolerance));
+    for (size_t i = 0; i < 2 * (size_t)map.count; i++)
+        disk->mesh.position[i / 2 * 3 + i % 2] = flat[i];
+done:
+    pc_convexmap_free(&map, ctx);
+    pc_free(ctx, flat);
+    return status;
 }
 
 pc_status pc_disk_lay(pc_disk *disk, pc_context *ctx, const double *angle, const double *length) {
@@ -261,7 +288,7 @@ pc_status pc_disk_lay(pc_disk *disk, pc_context *ctx, const double *angle, const
     memset(disk->mesh.position, 0, 3 * (size_t)disk->mesh.vertex_count * sizeof *disk->mesh.position);
     for (pc_index i = 0; i < disk->loop_count; i++)
         pc_vec3_put(disk->mesh.position, disk->loop[i], (pc_vec3){cos(angle[i]), sin(angle[i]), 0});
-    settle(disk, pull);
+    PC_TRY(settle(disk, ctx, pull));
     PC_TRY(pc_bvh_make(&disk->tree, ctx, &disk->mesh));
 done:
     pc_free(ctx, pull);

@@ -23,7 +23,7 @@ pc_status pc_disk_make(pc_disk *disk, pc_context *ctx, const pc_mesh *mesh, cons
 void pc_disk_free(pc_disk *disk, pc_context *ctx);
 
 /* `angle`: ascending, one per vertex of the loop. `length`: one per half-edge of the part, in any metric that
- * the triangles have. `disk` must not move: the tree points into it. PC_E_NOMEM. */
+ * the triangles have. `disk` must not move: the tree points into it. PC_E_NOMEM, PC_E_NOCONV. */
 pc_status pc_disk_lay(pc_disk *disk, pc_context *ctx, const double *angle, const double *length);
 
 /* The part's number of triangle t of the whole mesh, PC_NONE if it is not in it. */

@@ -1,5 +1,6 @@
 #include "fit.h"
 #include "memory.h"
+#include "region.h"
 #include "samples.h"
 #include "threefold.h"
 #include <string.h>
@@ -18,6 +19,8 @@ static double extent_of(const pc_tspline *spline) {
     return 0.5 * sqrt(square);
 }
 
+enum { FIRST_ROUNDS = 3 };
+
 /* A fit under way. */
 typedef struct fitting {
     pc_tspline *spline;
@@ -26,6 +29,7 @@ typedef struct fitting {
     pc_device *device;
     const pc_target *target;
     const pc_fit_options *options;
+    pc_region region; /* what moves; empty: all */
     pc_energy energy;
     double *move; /* 3 per row */
     double least; /* largest distance in the best round */
@@ -69,13 +73,13 @@ static void displace(fitting *f) {
     for (size_t r = 0; r < f->energy.row_count; r++)
         for (size_t k = 0; k < 3; k++)
             f->spline->position[3 * (size_t)f->energy.vertex[r] + k] += f->move[3 * r + k];
-    pc_tspline_update(f->spline);
+    pc_tspline_update_faces(f->spline, f->region.active);
 }
 
 /* Another round may bring the surface within the distance that is wanted: much is tried where little is
  * missing, because what refinement adds is more than that. */
 static bool goes_on(fitting *f, double max) {
-    enum { LEAST_ROUNDS = 3, PATIENCE = 3, LONG_PATIENCE = 8 };
+    enum { PATIENCE = 3, LONG_PATIENCE = 8 };
     const double good = 0.92, close = 2, hopeless = 4, worthwhile = 0.97, within = f->options->within;
     const int rounds = f->stats->rounds;
     f->stats->max = max;
@@ -83,9 +87,31 @@ static bool goes_on(fitting *f, double max) {
     if (!(within > 0) || rounds == 0) return true;
     f->vain = rounds == 1 || max < worthwhile * f->least ? 0 : f->vain + 1;
     if (f->vain == 0) f->least = max;
-    if (rounds < LEAST_ROUNDS) return true;
+    if (rounds < FIRST_ROUNDS) return true;
     if (max <= good * within || max >= hopeless * within) return false;
     return f->vain < (f->least < close * within ? LONG_PATIENCE : PATIENCE);
+}
+
+/* A new part of the surface is chosen every few rounds; all of it moves where the fit is rough. */
+static bool region_is_due(const fitting *f) {
+    enum { PERIOD = 4 };
+    const int first = f->options->rough ? FIRST_ROUNDS : 0, rounds = f->stats->rounds;
+    return f->options->within > 0 && rounds >= first && (rounds - first) % PERIOD == 0;
+}
+
+/* The system for what moves now; `far` is the largest distance per face, NULL to move everything. */
+static pc_status start_region(fitting *f, pc_context *ctx, const double *far) {
+    const double limit = 0.8; /* of the distance that is wanted */
+    pc_status status = PC_OK;
+    pc_region_free(&f->region, ctx);
+    pc_energy_free(&f->energy, ctx);
+    pc_free(ctx, f->move), f->move = NULL;
+    if (far) PC_TRY(pc_region_make(&f->region, ctx, f->spline, far, limit * f->options->within));
+    PC_TRY(pc_energy_make(&f->energy, ctx, f->spline, f->region.free));
+    f->stats->moved = f->energy.row_count;
+    PC_TRY(pc_new(&f->move, ctx, 3 * (size_t)f->stats->moved));
+done:
+    return status;
 }
 
 static pc_status one_round(bool *more, fitting *f, pc_context *ctx) {
@@ -93,11 +119,16 @@ static pc_status one_round(bool *more, fitting *f, pc_context *ctx) {
     const pc_fit_options *options = f->options;
     pc_fit_stats *stats = f->stats;
     const double within = options->rough && stats->rounds == 0 ? 0 : options->within;
+    const bool due = region_is_due(f);
     pc_samples samples = {0};
     pc_energy_facts facts;
     PC_TRY(pc_check_interrupt(ctx));
-    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, within));
+    PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, within,
+                           due ? NULL : f->region.active));
     *more = goes_on(f, samples.max);
+    if (!*more) goto done;
+    if (due || stats->rounds == 0) PC_TRY(start_region(f, ctx, due ? samples.far : NULL));
+    *more = stats->moved > 0;
     if (!*more) goto done;
     PC_TRY(
         pc_energy_fill(&f->energy, &facts, ctx, f->device, samples.sample, samples.count, options->fairness));
@@ -105,7 +136,7 @@ static pc_status one_round(bool *more, fitting *f, pc_context *ctx) {
     stats->samples = samples.count;
     PC_TRY(solve(f, ctx));
     displace(f);
-    pc_matching_follow(f->matching, f->spline, f->target);
+    pc_matching_follow(f->matching, f->spline, f->target, f->region.active);
     stats->rounds++;
 done:
     pc_samples_free(&samples, ctx);
@@ -122,12 +153,10 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_de
                  .target = target,
                  .options = options};
     *stats = (pc_fit_stats){0};
-    PC_TRY(pc_energy_make(&f.energy, ctx, spline, options->free));
-    stats->moved = f.energy.row_count;
-    PC_TRY(pc_new(&f.move, ctx, 3 * (size_t)stats->moved));
     for (bool more = true; more;)
         PC_TRY(one_round(&more, &f, ctx));
 done:
+    pc_region_free(&f.region, ctx);
     pc_energy_free(&f.energy, ctx);
     pc_free(ctx, f.move);
     return status;

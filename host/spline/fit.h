@@ -13,18 +13,19 @@ typedef struct pc_fit_options {
     /* Of the solver: its residual against what the matrix's diagonal makes of the model's size. */
     double tolerance;
     double within; /* largest distance that is wanted, in model units; 0: all rounds of plain least squares */
-    bool rough;    /* the surface is far off still: distances say nothing in the first round */
-    const uint8_t *free; /* per control point: it may move (NULL: all) */
+    bool
+        rough; /* the surface is far off still: all of it moves in the first rounds, and distances say nothing
+                  in the first one. Else only what surrounds faces with samples nearly that far moves. */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 3e-4, 30, 1e-8, 0, true, NULL }
+    { 3e-4, 30, 1e-8, 0, true }
 
 typedef struct pc_fit_stats {
     size_t samples; /* in the last round */
     double rms;     /* distance to the samples before the last solve, weighted */
     double max;     /* largest one, at the same time */
     int rounds;
-    pc_index moved;      /* control points that could move */
+    pc_index moved;      /* control points that could move in the last round */
     pc_index iterations; /* of the solver, over all rounds */
 } pc_fit_stats;
 

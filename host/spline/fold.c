@@ -318,8 +318,14 @@ static pc_status try_disk(bool *opened, opening *o, pc_context *ctx) {
     *opened = false;
     PC_TRY(cut_out(o, ctx));
     if (!o->above.loop_count || !o->below.loop_count || !rims_agree(o)) goto done;
-    PC_TRY(lay_above(o, ctx));
-    PC_TRY(lay_below(&laid, o, ctx));
+    status = lay_above(o, ctx);
+    if (status == PC_OK) status = lay_below(&laid, o, ctx);
+    if (status == PC_E_NOCONV) { /* too deep a shape for numbers: the next ring may do */
+        pc_context_clear_message(ctx);
+        status = PC_OK;
+        goto done;
+    }
+    PC_TRY(status);
     if (!laid) goto done;
     for (pc_index i = 0; i < o->above.mesh.face_count; i++) {
         const pc_index t = o->above.triangle[i];

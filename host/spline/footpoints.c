@@ -121,10 +121,11 @@ static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_
 }
 
 void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target,
-                          double let_go) {
+                          double let_go, const uint8_t *active) {
 #pragma omp parallel for schedule(dynamic, 16)
     for (pc_index f = 0; f < feet->face_count; f++)
-        if (!spline->mesh.face[f].ghost) follow_face(feet, spline, target, f, let_go);
+        if (!spline->mesh.face[f].ghost && (!active || active[f]))
+            follow_face(feet, spline, target, f, let_go);
 }
 
 /* Corners of the bilinear face. */
@@ -170,10 +171,11 @@ static void land_face(pc_footpoints *feet, const pc_tspline *spline, const pc_me
 }
 
 void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_mesh *scan,
-                        const pc_adjacency *adjacency, const pc_index *at) {
+                        const pc_adjacency *adjacency, const pc_index *at, const uint8_t *wanted) {
 #pragma omp parallel for schedule(dynamic, 16)
     for (pc_index f = 0; f < feet->face_count; f++)
-        if (!spline->mesh.face[f].ghost) land_face(feet, spline, scan, adjacency, at, f);
+        if (!spline->mesh.face[f].ghost && (!wanted || wanted[f]))
+            land_face(feet, spline, scan, adjacency, at, f);
 }
 
 void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan) {

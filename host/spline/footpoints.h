@@ -26,10 +26,10 @@ typedef struct pc_footpoints {
 pc_status pc_footpoints_make(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh, int per_side);
 void pc_footpoints_free(pc_footpoints *feet, pc_context *ctx);
 
-/* The feet of the bilinear faces between the control points on a scan, from `at`, the triangle below each
- * control point. The same bytes for any number of threads, as all here. */
+/* The feet of the bilinear faces with wanted[f] (NULL: all) between the control points on a scan, from `at`,
+ * the triangle below each control point. The same bytes for any number of threads, as all here. */
 void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_mesh *scan,
-                        const pc_adjacency *adjacency, const pc_index *at);
+                        const pc_adjacency *adjacency, const pc_index *at, const uint8_t *wanted);
 /* The same places on a scan of the same triangles with other positions. */
 void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan);
 /* Between feet i and j, beside each other on bilinear face f, a part of the scan is missing, or one of them
@@ -39,10 +39,10 @@ bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_i
 /* Feet i and j of face f are much farther apart than `step`, which the points above them are. */
 bool pc_footpoints_torn(const pc_footpoints *feet, pc_index f, int i, int j, double step);
 
-/* Every foot walks downhill to the point of the scan nearest to the surface's; one that is held only where
- * that ends within `let_go` of the surface, and not opposed. */
+/* Every foot of a face with active[f] (NULL: all) walks downhill to the point of the scan nearest to the
+ * surface's; one that is held only where that ends within `let_go` of the surface, and not opposed. */
 void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target,
-                          double let_go);
+                          double let_go, const uint8_t *active);
 /* Grids of a mesh whose faces are parts of those so far (pc_tface.root), each foot where the nearest of
  * the old ones is, to be followed. PC_E_NOMEM. */
 pc_status pc_footpoints_carry(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *refined);

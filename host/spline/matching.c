@@ -22,9 +22,10 @@ void pc_matching_free(pc_matching *matching, pc_context *ctx) {
     pc_correspondence_free(&matching->vertices, ctx);
 }
 
-void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target) {
-    pc_footpoints_follow(&matching->feet, spline, target, matching->let_go);
-    pc_correspondence_follow(&matching->vertices, spline, target, matching->let_go);
+void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target,
+                        const uint8_t *active) {
+    pc_footpoints_follow(&matching->feet, spline, target, matching->let_go, active);
+    pc_correspondence_follow(&matching->vertices, spline, target, matching->let_go, active);
 }
 
 pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tspline *refined,
@@ -32,7 +33,7 @@ pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tsp
     pc_status status = PC_OK;
     PC_TRY(pc_correspondence_carry(&matching->vertices, ctx, &refined->mesh));
     PC_TRY(pc_footpoints_carry(&matching->feet, ctx, &refined->mesh));
-    pc_matching_follow(matching, refined, target);
+    pc_matching_follow(matching, refined, target, NULL);
 done:
     return status;
 }

@@ -16,8 +16,9 @@ typedef struct pc_matching {
 pc_status pc_matching_make(pc_matching *matching, pc_context *ctx, const pc_tspline *spline,
                            const pc_target *target, int per_side);
 void pc_matching_free(pc_matching *matching, pc_context *ctx);
-/* After the control points have moved. */
-void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target);
+/* After control points have moved, of the faces with active[f] (NULL: all). */
+void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target,
+                        const uint8_t *active);
 /* After a refinement that left the surface as it was. PC_E_NOMEM. */
 pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tspline *refined,
                             const pc_target *target);

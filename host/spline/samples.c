@@ -7,17 +7,26 @@ typedef struct gathering {
     const pc_target *target;
     pc_footpoints *feet;
     pc_correspondence *vertices;
-    double near;      /* samples farther away than this come to weigh more; 0: none does */
-    pc_sample *raw;   /* of the scan's vertices, then of the grids; element PC_NONE: not used */
-    size_t count;     /* of both */
+    const uint8_t *active; /* per face: its samples are wanted */
+    double near;           /* samples farther away than this come to weigh more; 0: none does */
+    pc_sample *raw;        /* of the scan's vertices, then of the grids; element PC_NONE: not used */
+    size_t count;          /* of both */
+    double *distance;
     size_t *per_face; /* vertices of the scan at each face */
 } gathering;
 
+static bool is_wanted(const gathering *g, pc_index f) {
+    return f != PC_NONE && !g->spline->mesh.face[f].ghost && (!g->active || g->active[f]);
+}
+
 static void sample_vertices(gathering *g) {
 #pragma omp parallel for schedule(static)
-    for (pc_index v = 0; v < g->vertices->count; v++)
+    for (pc_index v = 0; v < g->vertices->count; v++) {
+        g->raw[v].place.element = PC_NONE;
+        if (!is_wanted(g, g->vertices->spot[v].face)) continue;
         g->raw[v] = (pc_sample){.place = pc_correspondence_place(g->vertices, g->spline, v),
                                 .target = pc_vec3_at(g->target->mesh->position, v)};
+    }
 }
 
 static void sample_grids(gathering *g) {
@@ -27,11 +36,12 @@ static void sample_grids(gathering *g) {
     for (pc_index f = 0; f < feet->face_count; f++)
         for (size_t i = 0; i < each; i++) {
             pc_sample *to = g->raw + g->vertices->count + f * each + i;
-            *to = (pc_sample){.place.element = PC_NONE, .target = feet->foot[f * each + i].point};
-            if (g->spline->mesh.face[f].ghost) continue;
             double at[2];
+            to->place.element = PC_NONE;
+            if (!is_wanted(g, f)) continue;
             pc_footpoints_at(at, feet, f, (int)i);
-            to->place = pc_tspline_place(g->spline, f, at[0], at[1]);
+            *to = (pc_sample){.place = pc_tspline_place(g->spline, f, at[0], at[1]),
+                              .target = feet->foot[f * each + i].point};
         }
 }
 
@@ -59,17 +69,28 @@ static double weigh(gathering *g, size_t i, double distance) {
     return (i < g->vertices->count ? share : (1 - vertices * share) / grid) * fmax(*stress, 1);
 }
 
-static double weigh_all(gathering *g) {
-    double max = 0;
-#pragma omp parallel for schedule(static) reduction(max : max)
+static void weigh_all(gathering *g) {
+#pragma omp parallel for schedule(static)
     for (size_t i = 0; i < g->count; i++) {
         pc_sample *sample = g->raw + i;
         if (sample->place.element == PC_NONE) continue;
-        const double distance = pc_distance(pc_tspline_point(g->spline, sample->place), sample->target);
-        sample->weight = weigh(g, i, distance);
-        max = fmax(max, distance);
+        g->distance[i] = pc_distance(pc_tspline_point(g->spline, sample->place), sample->target);
+        sample->weight = weigh(g, i, g->distance[i]);
     }
-    return max;
+}
+
+static pc_status find_farthest(const gathering *g, pc_samples *samples, pc_context *ctx) {
+    const pc_basis *basis = &g->spline->basis;
+    const pc_status status = pc_new(&samples->far, ctx, basis->face_count);
+    for (pc_index f = 0; f < basis->face_count && status == PC_OK; f++)
+        samples->far[f] = -1;
+    for (size_t i = 0; i < g->count && status == PC_OK; i++) {
+        if (g->raw[i].place.element == PC_NONE) continue;
+        double *far = samples->far + basis->element[g->raw[i].place.element].face;
+        *far = fmax(*far, g->distance[i]);
+        samples->max = fmax(samples->max, g->distance[i]);
+    }
+    return status;
 }
 
 static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx) {
@@ -77,7 +98,6 @@ static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx
     const pc_basis *basis = &g->spline->basis;
     size_t *start = NULL;
     PC_TRY(pc_new(&start, ctx, (size_t)basis->element_count + 2));
-    samples->max = weigh_all(g);
     for (size_t i = 0; i < g->count; i++)
         if (g->raw[i].place.element != PC_NONE) start[g->raw[i].place.element + 2]++;
     for (size_t e = 0; e < basis->element_count; e++)
@@ -93,23 +113,29 @@ done:
 }
 
 pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
-                          const pc_target *target, pc_matching *matching, double within) {
+                          const pc_target *target, pc_matching *matching, double within,
+                          const uint8_t *active) {
     pc_status status = PC_OK;
     pc_footpoints *feet = &matching->feet;
     gathering g = {.spline = spline,
                    .target = target,
                    .feet = feet,
                    .vertices = &matching->vertices,
+                   .active = active,
                    .near = 0.5 * within};
     *samples = (pc_samples){0};
     g.count = g.vertices->count + (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
     PC_TRY(pc_new(&g.raw, ctx, g.count));
+    PC_TRY(pc_new(&g.distance, ctx, g.count));
     sample_vertices(&g);
     sample_grids(&g);
     PC_TRY(count_vertices(&g, ctx));
+    weigh_all(&g);
+    PC_TRY(find_farthest(&g, samples, ctx));
     PC_TRY(sort_samples(&g, samples, ctx));
 done:
     pc_free(ctx, g.raw);
+    pc_free(ctx, g.distance);
     pc_free(ctx, g.per_face);
     if (status != PC_OK) pc_samples_free(samples, ctx);
     return status;
@@ -117,5 +143,6 @@ done:
 
 void pc_samples_free(pc_samples *samples, pc_context *ctx) {
     pc_free(ctx, samples->sample);
+    pc_free(ctx, samples->far);
     *samples = (pc_samples){0};
 }

@@ -149,9 +149,14 @@ pc_status pc_tspline_check(const pc_tspline *spline, pc_basis_facts *facts, pc_c
 }
 
 void pc_tspline_update(pc_tspline *spline) {
-#pragma omp parallel for schedule(static)
+    pc_tspline_update_faces(spline, NULL);
+}
+
+void pc_tspline_update_faces(pc_tspline *spline, const uint8_t *active) {
+#pragma omp parallel for schedule(dynamic, 256)
     for (pc_index e = 0; e < spline->basis.element_count; e++)
-        pc_basis_bezier(spline->bezier + 48 * (size_t)e, &spline->basis, e, spline->position);
+        if (!active || active[spline->basis.element[e].face])
+            pc_basis_bezier(spline->bezier + 48 * (size_t)e, &spline->basis, e, spline->position);
 }
 
 /* Bernstein polynomials in both directions and the sizes of the element. */

@@ -35,8 +35,9 @@ void pc_tspline_free(pc_tspline *spline, pc_context *ctx);
 /* Of the mesh and of the basis. */
 pc_status pc_tspline_check(const pc_tspline *spline, pc_basis_facts *facts, pc_context *ctx);
 
-/* Bezier points after a change of control points. */
+/* Bezier points after a change of control points; of the elements of faces with active[f] (NULL: all). */
 void pc_tspline_update(pc_tspline *spline);
+void pc_tspline_update_faces(pc_tspline *spline, const uint8_t *active);
 pc_surface_point pc_tspline_evaluate(const pc_tspline *spline, pc_surface_place place);
 /* Only the position. */
 pc_vec3 pc_tspline_point(const pc_tspline *spline, pc_surface_place place);

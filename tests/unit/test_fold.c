@@ -113,7 +113,7 @@ static void spoiled_places_are_mended(void **state) {
         check_one_to_one(&s, seed);
         /* The surface is flat and all is within the tolerance above the scan: they are let go, and end where
          * they belong. */
-        pc_matching_follow(&s.matching, &s.spline, &s.target);
+        pc_matching_follow(&s.matching, &s.spline, &s.target, NULL);
         for (pc_index v = 0; v < s.scan.vertex_count; v++) {
             held += s.matching.vertices.spot[v].held;
             assert_true(pc_distance(point_of_vertex(&s, v), pc_vec3_at(s.scan.position, v)) < 1e-6);
@@ -138,7 +138,7 @@ static void pairs_are_held(void **state) {
     pc_spot *before = NULL;
     assert_ok(ctx, pc_new(&before, ctx, count));
     memcpy(before, s.matching.vertices.spot, count * sizeof *before);
-    pc_matching_follow(&s.matching, &s.spline, &s.target);
+    pc_matching_follow(&s.matching, &s.spline, &s.target, NULL);
     for (pc_index v = 0; v < count; v++) {
         if (!before[v].held) continue;
         held++;

@@ -47,7 +47,7 @@ static void places_outlive_refinement(void **state) {
         double *before = NULL;
         open_torus(&s, ctx);
         assert_ok(ctx, pc_matching_make(&matching, ctx, &s.spline, &s.target, 5));
-        pc_matching_follow(&matching, &s.spline, &s.target);
+        pc_matching_follow(&matching, &s.spline, &s.target, NULL);
         assert_ok(ctx, pc_new(&before, ctx, 3 * (size_t)s.scan.vertex_count));
         for (pc_index v = 0; v < s.scan.vertex_count; v++)
             pc_vec3_put(
@@ -140,7 +140,7 @@ static void threads_do_not_matter(void **state) {
     for (int k = 0; k < 2; k++) {
         omp_set_num_threads(k ? 3 : 1);
         assert_ok(ctx, pc_matching_make(matching + k, ctx, &s.spline, &s.target, 5));
-        pc_matching_follow(matching + k, &s.spline, &s.target);
+        pc_matching_follow(matching + k, &s.spline, &s.target, NULL);
     }
     omp_set_num_threads(usual);
     for (size_t i = 0; i < 25 * (size_t)s.spline.mesh.face_count; i++) {
