@@ -413,7 +413,8 @@ done:
 static pc_status check_irregular(const pc_basis *basis, pc_basis_facts *facts, uint8_t *seen,
                                  pc_context *ctx) {
     pc_status status = PC_OK;
-    unseen_functions u = {.basis = basis, .seen = seen};
+    unseen_functions u = {.basis = basis};
+    u.seen = seen;
     PC_TRY(pc_new(&u.face, ctx, basis->face_count));
     PC_TRY(pc_new(&u.column, ctx, basis->vertex_count));
     memset(u.column, 0xff, basis->vertex_count * sizeof *u.column);

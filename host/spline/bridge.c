@@ -115,7 +115,7 @@ static void stretch_membrane(bridging *b) {
 }
 
 static void find_stale(bridging *b) {
-    const size_t each = (size_t)(b->feet->per_side * b->feet->per_side);
+    const size_t n = (size_t)b->feet->per_side, each = n * n;
 #pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < b->feet->face_count; f++) {
         b->is_stale[f] = 0;
