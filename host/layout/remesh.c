@@ -8,14 +8,14 @@
 #include "vec3.h"
 #include <string.h>
 
-enum { MOST_COLLAPSES = 24, MOST_TRIES_FOR_COUNT = 5, MOST_STRIPS = 12, MOST_FAILURES = 6 };
+enum { MOST_RESCUES = 2, MOST_COLLAPSES = 24, MOST_TRIES_FOR_COUNT = 5, MOST_STRIPS = 12, MOST_FAILURES = 6 };
 /* Of the count: a miss that ends the search at once, and one that ends it where more tries have not helped;
  * the promise is 5 %. */
 static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
 static const double FAR_OFF = 0.15; /* strips cannot make up for more */
 static const double MOST_FINER = 6; /* cells, for the sake of a coarser rest */
 static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are not worth another round */
-static const double FAR = 1.5;      /* edge lengths off the quads: worth one even for a single vertex */
+static const double LOST = 1.5;     /* times the reach: a part of the scan that far off is lost */
 
 /* Flags also the faces that share a vertex with a flagged one. */
 static pc_status flag_around(uint8_t *flag, pc_context *ctx, const pc_polymesh *quads) {
@@ -202,10 +202,14 @@ typedef struct outcome {
     bool wanting; /* the scale has been raised, and it is worth another try */
 } outcome;
 
-static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, pc_index folded, double edge) {
+/* `far`: of the farthest vertex, times the reach. A spline needs all of the scan; after the rounds that were
+ * asked for there are others only where a part of the scan is lost. */
+static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, pc_index folded, double far) {
+    const bool for_spline = r->options->reach > 0;
     if (sizes->wanting == 0) return false;
+    if (r->stats->refinements >= r->options->refinements) return far > LOST;
     return r->stats->refinements == 0 || folded || sizes->wanting > FEW * r->mesh->vertex_count ||
-           sizes->worst > FAR * edge;
+           far > (for_spline ? 1 : LOST);
 }
 
 /* Looks at the quads of the present layout, and raises the scale where they fail. */
@@ -232,7 +236,11 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     if (r->options->floor > 0) sizing.floor = r->options->floor;
     PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, &ground, &quads, folded, &sizing));
     r->stats->wanting = sizes.wanting;
-    found->wanting = is_worth_another(r, &sizes, made.folded, sizing.edge_length);
+    const double far = sizes.worst / (sizing.reach * sizing.edge_length);
+    found->wanting = is_worth_another(r, &sizes, made.folded, far);
+    pc_log(r->ctx, PC_LOG_DEBUG,
+           "%u vertices of the scan want finer cells, the farthest is %.3g times the reach off",
+           sizes.wanting, far);
 done:
     pc_ground_free(&ground, r->ctx);
     pc_polymesh_free(&quads, r->ctx);
@@ -271,7 +279,8 @@ static pc_status settle_sizes(remeshing *r, outcome *found) {
     double period = r->period;
     if (wanted > 0) period *= sqrt(mean_square(r->scale, r->mesh)); /* finer cells count for more */
     for (;;) {
-        bool refine = r->stats->refinements < r->options->refinements;
+        bool refine =
+            r->options->refinements > 0 && r->stats->refinements < r->options->refinements + MOST_RESCUES;
         PC_TRY(attempt(r, period));
         PC_TRY(look(r, found, refine, 0));
         pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, found->count,

@@ -13,8 +13,8 @@ typedef struct pc_remesh_options {
     double quads;         /* wanted number of faces; 0: as many as the period gives */
     pc_ngons ngons;
     uint64_t seed;
-    int refinements; /* at most this many rounds of local refinement; 0: cells as equal as the field lets them
-                      */
+    int refinements; /* at most this many rounds of local refinement, and two more where a part of the scan is
+                        lost; 0: cells as equal as the field lets them */
     pc_pgp_scheme scheme;
     double reach, floor; /* of pc_sizing_options; 0: its defaults */
 } pc_remesh_options;

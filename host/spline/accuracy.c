@@ -3,16 +3,6 @@
 
 enum { MOST_PER_SIDE = 24 };
 
-/* The nearest point is on an edge or vertex of the scan's border. */
-static bool is_on_border(const pc_target *target, const pc_bvh_hit *hit) {
-    for (pc_index k = 0; k < 3; k++) {
-        pc_index h = 3 * hit->face + k;
-        if (target->adjacency->twin[h] == PC_NONE && hit->weight[(k + 2) % 3] <= 0) return true;
-        if (hit->weight[k] >= 1 && target->adjacency->vertex_boundary[target->mesh->triangle[h]]) return true;
-    }
-    return false;
-}
-
 /* One face of the surface. */
 typedef struct measured {
     double max, sum;
@@ -32,7 +22,7 @@ static measured measure_face(pc_face_error *error, const pc_tspline *spline, con
         pc_bvh_hit hit = pc_bvh_closest(&target->tree, p, hint);
         hint = hit.face;
         residual[i] = pc_sub(p, hit.point);
-        if (hit.face == PC_NONE || is_on_border(target, &hit)) {
+        if (hit.face == PC_NONE || pc_target_on_border(target, hit.face, hit.weight)) {
             residual[i] = (pc_vec3){0, 0, 0};
             m.beyond++;
             continue;

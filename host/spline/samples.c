@@ -29,6 +29,14 @@ static void sample_vertices(gathering *g) {
     }
 }
 
+/* Beyond the border of the scan there are no data: the surface goes on as the scan ends, wherever that is. */
+static pc_vec3 target_of(const gathering *g, const pc_foot *foot, pc_surface_place place) {
+    if (foot->held || !pc_target_on_border(g->target, foot->triangle, foot->weight)) return foot->point;
+    const pc_vec3 p = pc_tspline_point(g->spline, place),
+                  n = pc_target_normal(g->target, foot->triangle, foot->weight);
+    return pc_madd(p, pc_dot(pc_sub(foot->point, p), n), n);
+}
+
 static void sample_grids(gathering *g) {
     const pc_footpoints *feet = g->feet;
     const size_t n = (size_t)feet->per_side, each = n * n;
@@ -40,8 +48,8 @@ static void sample_grids(gathering *g) {
             to->place.element = PC_NONE;
             if (!is_wanted(g, f)) continue;
             pc_footpoints_at(at, feet, f, (int)i);
-            *to = (pc_sample){.place = pc_tspline_place(g->spline, f, at[0], at[1]),
-                              .target = feet->foot[f * each + i].point};
+            to->place = pc_tspline_place(g->spline, f, at[0], at[1]);
+            to->target = target_of(g, feet->foot + f * each + i, to->place);
         }
 }
 
