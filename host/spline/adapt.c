@@ -39,6 +39,16 @@ static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_er
     return chosen;
 }
 
+/* A surface and its matching as they were before folds were opened. */
+typedef struct snapshot {
+    double *position; /* NULL: none was taken */
+    pc_foot *foot;
+    pc_spot *spot;
+    pc_face_error *error;
+    pc_accuracy accuracy;
+    pc_index folds;
+} snapshot;
+
 /* An adaptation under way, and the best surface so far. */
 typedef struct adapting {
     pc_tspline *spline;
@@ -49,10 +59,52 @@ typedef struct adapting {
     pc_face_error *error; /* per face of the present mesh */
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
-    int vain;    /* rounds since it became much better */
-    bool fitted; /* at least once */
-    bool opened; /* folds, instead of refining, in the last round */
+    int vain;        /* rounds since it became much better */
+    bool fitted;     /* at least once */
+    bool opened;     /* folds, instead of refining, in the last round */
+    snapshot before; /* ... and what was before that */
 } adapting;
+
+static size_t foot_count(const adapting *a) {
+    return (size_t)a->matching.feet.face_count *
+           (size_t)(a->matching.feet.per_side * a->matching.feet.per_side);
+}
+
+static void drop_snapshot(snapshot *s, pc_context *ctx) {
+    pc_free(ctx, s->position);
+    pc_free(ctx, s->foot);
+    pc_free(ctx, s->spot);
+    pc_free(ctx, s->error);
+    *s = (snapshot){0};
+}
+
+static pc_status take_snapshot(adapting *a, pc_context *ctx, pc_index folds) {
+    pc_status status = PC_OK;
+    const pc_tmesh *mesh = &a->spline->mesh;
+    snapshot *s = &a->before;
+    s->accuracy = a->stats->accuracy, s->folds = folds;
+    PC_TRY(pc_new(&s->position, ctx, 3 * (size_t)mesh->vertex_count));
+    PC_TRY(pc_new(&s->foot, ctx, foot_count(a)));
+    PC_TRY(pc_new(&s->spot, ctx, a->matching.vertices.count));
+    PC_TRY(pc_new(&s->error, ctx, mesh->face_count));
+    memcpy(s->position, a->spline->position, 3 * (size_t)mesh->vertex_count * sizeof *s->position);
+    memcpy(s->foot, a->matching.feet.foot, foot_count(a) * sizeof *s->foot);
+    memcpy(s->spot, a->matching.vertices.spot, a->matching.vertices.count * sizeof *s->spot);
+    memcpy(s->error, a->error, mesh->face_count * sizeof *s->error);
+done:
+    return status;
+}
+
+/* The mesh has not changed since. */
+static void go_back_to(adapting *a, const snapshot *s) {
+    const pc_tmesh *mesh = &a->spline->mesh;
+    a->stats->accuracy = s->accuracy;
+    memcpy(a->spline->position, s->position, 3 * (size_t)mesh->vertex_count * sizeof *s->position);
+    memcpy(a->matching.feet.foot, s->foot, foot_count(a) * sizeof *s->foot);
+    memcpy(a->matching.vertices.spot, s->spot, a->matching.vertices.count * sizeof *s->spot);
+    memcpy(a->error, s->error, mesh->face_count * sizeof *s->error);
+    pc_tspline_update(a->spline);
+}
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
@@ -112,6 +164,23 @@ done:
     return status;
 }
 
+static pc_index find_folds(const adapting *a, uint8_t *folded) {
+    return pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, a->options->tolerance);
+}
+
+/* Whether opening folds has made things worse; then they are as they were before. */
+static bool take_back(adapting *a, pc_context *ctx, uint8_t *folded, pc_index *folds) {
+    const bool worse =
+        a->before.position && a->stats->accuracy.max > a->before.accuracy.max && *folds >= a->before.folds;
+    if (worse) {
+        go_back_to(a, &a->before);
+        *folds = find_folds(a, folded);
+        pc_log(ctx, PC_LOG_DEBUG, "spline: %u faces stay folded, what was laid flat is taken back", *folds);
+    }
+    drop_snapshot(&a->before, ctx);
+    return worse;
+}
+
 /* `more` is false where there is nothing to refine and no fold, or refinement took more control points than
  * allowed. */
 static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
@@ -120,16 +189,18 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     const pc_index faces = a->spline->mesh.face_count;
     pc_closure_stats closed;
     uint8_t *wish = NULL, *folded = NULL;
+    pc_index chosen = 0;
     *more = false;
     PC_TRY(pc_new(&folded, ctx, faces));
     PC_TRY(pc_new(&wish, ctx, faces));
-    const pc_index folds =
-        pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, options->tolerance);
+    pc_index folds = find_folds(a, folded);
+    if (take_back(a, ctx, folded, &folds)) folds = 0; /* they are left alone this time */
     a->opened = folds && !a->opened;
-    const pc_index chosen =
-        a->opened ? 0
-                  : choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
-                           0.5 * options->tolerance, options->anisotropy);
+    if (a->opened)
+        PC_TRY(take_snapshot(a, ctx, folds));
+    else
+        chosen = choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
+                        0.5 * options->tolerance, options->anisotropy);
     if (chosen) {
         PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
         a->stats->junctions = closed.junctions;
@@ -206,6 +277,7 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
 done:
     pc_matching_free(&a.matching, ctx);
     pc_tspline_free(&a.best, ctx);
+    drop_snapshot(&a.before, ctx);
     pc_free(ctx, a.error);
     return status;
 }

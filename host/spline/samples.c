@@ -29,12 +29,15 @@ static void sample_vertices(gathering *g) {
     }
 }
 
-/* Beyond the border of the scan there are no data: the surface goes on as the scan ends, wherever that is. */
+/* Beyond the border of the scan there are no data: for a while the surface goes on as the scan ends. */
 static pc_vec3 target_of(const gathering *g, const pc_foot *foot, pc_surface_place place) {
+    const double most = 8 * g->near;
     if (foot->held || !pc_target_on_border(g->target, foot->triangle, foot->weight)) return foot->point;
-    const pc_vec3 p = pc_tspline_point(g->spline, place),
-                  n = pc_target_normal(g->target, foot->triangle, foot->weight);
-    return pc_madd(p, pc_dot(pc_sub(foot->point, p), n), n);
+    const pc_vec3 n = pc_target_normal(g->target, foot->triangle, foot->weight);
+    pc_vec3 past = pc_sub(pc_tspline_point(g->spline, place), foot->point);
+    past = pc_madd(past, -pc_dot(past, n), n);
+    const double length = pc_norm(past);
+    return pc_madd(foot->point, length > most ? most / length : 1, past);
 }
 
 static void sample_grids(gathering *g) {
