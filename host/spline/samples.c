@@ -8,9 +8,10 @@ typedef struct gathering {
     pc_footpoints *feet;
     pc_correspondence *vertices;
     const uint8_t *active; /* per face: its samples are wanted */
-    double near;           /* samples farther away than this come to weigh more; 0: none does */
-    pc_sample *raw;        /* of the scan's vertices, then of the grids; element PC_NONE: not used */
-    size_t count;          /* of both */
+    double within,
+        near;       /* the tolerance; samples farther away than `near` come to weigh more. 0: none does */
+    pc_sample *raw; /* of the scan's vertices, then of the grids; element PC_NONE: not used */
+    size_t count;   /* of both */
     double *distance;
     size_t *per_face; /* vertices of the scan at each face */
 } gathering;
@@ -29,9 +30,10 @@ static void sample_vertices(gathering *g) {
     }
 }
 
-/* Beyond the border of the scan there are no data: for a while the surface goes on as the scan ends. */
+/* Beyond the border of the scan there are no data: as far as the tolerance the surface goes on as the scan
+ * ends. */
 static pc_vec3 target_of(const gathering *g, const pc_foot *foot, pc_surface_place place) {
-    const double most = 8 * g->near;
+    const double most = g->within;
     if (foot->held || !pc_target_on_border(g->target, foot->triangle, foot->weight)) return foot->point;
     const pc_vec3 n = pc_target_normal(g->target, foot->triangle, foot->weight);
     pc_vec3 past = pc_sub(pc_tspline_point(g->spline, place), foot->point);
@@ -133,6 +135,7 @@ pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline
                    .feet = feet,
                    .vertices = &matching->vertices,
                    .active = active,
+                   .within = within,
                    .near = 0.5 * within};
     *samples = (pc_samples){0};
     g.count = g.vertices->count + (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);

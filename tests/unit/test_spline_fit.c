@@ -5,6 +5,7 @@
 #include "insertion.h"
 #include "memory.h"
 #include "random.h"
+#include "samples.h"
 #include "synth.h"
 #include "synth_quads.h"
 #include "testing.h"
@@ -244,6 +245,45 @@ static void weights_serve_the_largest_distance(void **state) {
     close_scene(&s, ctx);
 }
 
+/* A surface past all borders of a flat scan: it is pulled down to the plane, and back only from farther out
+ * than the tolerance. */
+static void borders_do_not_pull(void **state) {
+    pc_context *ctx = *state;
+    const double within = 0.04;
+    scene s = {0};
+    pc_polymesh quads;
+    pc_tspline spline;
+    pc_matching matching;
+    pc_samples samples;
+    size_t near = 0, far = 0;
+    assert_ok(ctx, pc_synth_plane(&s.scan, ctx, 1, 1, 20, 20));
+    open_scene(&s, ctx);
+    assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 1.2, 1.2, 12, 12));
+    for (pc_index v = 0; v < quads.vertex_count; v++) {
+        double *p = quads.position + 3 * (size_t)v;
+        p[0] -= 0.1, p[1] -= 0.1, p[2] = 0.02;
+    }
+    assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
+    assert_ok(ctx, pc_matching_make(&matching, ctx, &spline, &s.target, 5));
+    pc_matching_follow(&matching, &spline, &s.target, NULL);
+    assert_ok(ctx, pc_samples_make(&samples, ctx, &spline, &s.target, &matching, within, NULL));
+    for (size_t i = 0; i < samples.count; i++) {
+        const pc_vec3 p = pc_tspline_point(&spline, samples.sample[i].place), t = samples.sample[i].target;
+        const double u = fmin(fmax(p.x, 0), 1), v = fmin(fmax(p.y, 0), 1), past = hypot(p.x - u, p.y - v);
+        const bool of_vertex = hypot(t.x - p.x, t.y - p.y) > 1e-9 && past < within;
+        if (of_vertex) continue; /* its place is where it was found before anything was fitted */
+        assert_true(fabs(t.z) < 1e-12);
+        assert_true(fabs(hypot(t.x - u, t.y - v) - fmin(past, within)) < 1e-9);
+        near += past > 0 && past<within, far += past> within;
+    }
+    assert_true(near > 100 && far > 100);
+    pc_samples_free(&samples, ctx);
+    pc_matching_free(&matching, ctx);
+    pc_tspline_free(&spline, ctx);
+    pc_polymesh_free(&quads, ctx);
+    close_scene(&s, ctx);
+}
+
 /* The same sphere a thousand times as large gives the same surface a thousand times as large. */
 static void scale_does_not_matter(void **state) {
     pc_context *ctx = *state;
@@ -335,6 +375,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(right_sides_are_gradients, make_context, free_context),
         cmocka_unit_test_setup_teardown(torus_converges, make_context, free_context),
         cmocka_unit_test_setup_teardown(weights_serve_the_largest_distance, make_context, free_context),
+        cmocka_unit_test_setup_teardown(borders_do_not_pull, make_context, free_context),
         cmocka_unit_test_setup_teardown(scale_does_not_matter, make_context, free_context),
         cmocka_unit_test_setup_teardown(borders_are_reached, make_context, free_context),
         cmocka_unit_test_setup_teardown(budgets_are_kept, make_context, free_context),
