@@ -34,7 +34,8 @@ static void sample_vertices(gathering *g) {
  * ends. */
 static pc_vec3 target_of(const gathering *g, const pc_foot *foot, pc_surface_place place) {
     const double most = g->within;
-    if (foot->held || !pc_target_on_border(g->target, foot->triangle, foot->weight)) return foot->point;
+    if (foot->held || foot->opposed || !pc_target_on_border(g->target, foot->triangle, foot->weight))
+        return foot->point;
     const pc_vec3 n = pc_target_normal(g->target, foot->triangle, foot->weight);
     pc_vec3 past = pc_sub(pc_tspline_point(g->spline, place), foot->point);
     past = pc_madd(past, -pc_dot(past, n), n);
