@@ -15,7 +15,7 @@ static const double CLOSE = 0.025, CLOSE_ENOUGH = 0.045;
 static const double FAR_OFF = 0.15; /* strips cannot make up for more */
 static const double MOST_FINER = 6; /* cells, for the sake of a coarser rest */
 static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are not worth another round */
-static const double LOST = 1.5;     /* times the reach: a part of the scan that far off is lost */
+static const double LOST = 1.4;     /* times the reach: a part of the scan that far off is lost */
 
 /* Flags also the faces that share a vertex with a flagged one. */
 static pc_status flag_around(uint8_t *flag, pc_context *ctx, const pc_polymesh *quads) {

@@ -92,6 +92,45 @@ static void plane_is_a_spline(void **state) {
     pc_polymesh_free(&quads, ctx);
 }
 
+/* A barrel of rhombs between two poles of valence n, whose neighbours on the n-gons have valence 3. Vertex i
+ * of ring k is at the angle of (i + k/2)/n turns. */
+static void make_barrel(pc_polymesh *quads, pc_context *ctx, pc_index n, pc_index rings) {
+    const pc_index last = n * rings;
+    assert_ok(ctx, pc_polymesh_make(quads, ctx, (size_t)last + 2, last, 4 * (size_t)last));
+    for (pc_index v = 0; v < last; v++) {
+        const double angle = 2 * PC_PI * (v % n + 0.5 * (v / n)) / n; /* NOLINT(bugprone-integer-division) */
+        pc_vec3_put(quads->position, v, (pc_vec3){cos(angle), sin(angle), v / n});
+    }
+    pc_vec3_put(quads->position, last, (pc_vec3){0, 0, -1});
+    pc_vec3_put(quads->position, last + 1, (pc_vec3){0, 0, rings});
+    for (pc_index f = 0; f <= last; f++)
+        quads->start[f] = 4 * f;
+    for (pc_index f = 0; f < last; f++) { /* below it ring f / n - 1, the pole first */
+        const pc_index i = f % n, left = i ? i - 1 : n - 1, k = f / n;
+        pc_index *corner = quads->corner + 4 * (size_t)f;
+        corner[0] = k ? (k - 1) * n + i : last;
+        corner[1] = k * n + i;
+        corner[2] = k + 1 < rings ? (k + 1) * n + left : last + 1;
+        corner[3] = k * n + left;
+    }
+}
+
+/* Around a vertex of high valence no face alone shows that the functions of all of them are independent. */
+static void faces_show_functions_together(void **state) {
+    pc_context *ctx = *state;
+    for (pc_index k = 0; k < 4 * 12; k++) {
+        const pc_index n = 3 + k % 12, rings = 3 + k / 12;
+        pc_polymesh quads;
+        pc_tspline spline;
+        make_barrel(&quads, ctx, n, rings);
+        assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
+        if (pc_tspline_check(&spline, NULL, ctx) != PC_OK)
+            fail_msg("valence %u, %u rings: %s", n, rings, pc_context_message(ctx));
+        pc_tspline_free(&spline, ctx);
+        pc_polymesh_free(&quads, ctx);
+    }
+}
+
 /* The sphere of six n x n sides; its eight extraordinary vertices touch each other for n = 1. */
 static void spheres_are_smooth(void **state) {
     pc_context *ctx = *state;
@@ -167,6 +206,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(torus_is_a_periodic_spline, make_context, free_context),
         cmocka_unit_test_setup_teardown(plane_is_a_spline, make_context, free_context),
+        cmocka_unit_test_setup_teardown(faces_show_functions_together, make_context, free_context),
         cmocka_unit_test_setup_teardown(spheres_are_smooth, make_context, free_context),
         cmocka_unit_test_setup_teardown(tee_is_a_spline, make_context, free_context),
         cmocka_unit_test_setup_teardown(fins_are_refused, make_context, free_context),
