@@ -17,24 +17,6 @@ double pc_peer_residual(const pc_system *system, pc_context *ctx, const double *
     return sqrt(error / size);
 }
 
-void pc_peer_block(double *out, const pc_system *system, size_t entry) {
-    const int w = pc_block_width(system->kind);
-    /* A row and a column, joined by this entry alone, without diagonals. */
-    pc_index start[3] = {0, 1, 1}, column = 1;
-    double diagonal[2] = {0, 0};
-    pc_system one = {.kind = system->kind, .row_count = 2, .start = start, .column = &column};
-    one.diagonal = diagonal;
-    one.value = system->value + (size_t)w * entry;
-    one.turn = system->turn ? system->turn + entry : NULL;
-    for (int c = 0; c < w; c++) {
-        double x[8] = {0}, y[8];
-        x[w + c] = 1;
-        pc_system_apply(y, &one, x);
-        for (int r = 0; r < w; r++)
-            out[w * r + c] = y[r];
-    }
-}
-
 #ifdef PC_HAVE_CHOLMOD
 #include <cholmod.h>
 
@@ -62,7 +44,7 @@ static cholmod_sparse *cholmod_matrix(const pc_system *s, cholmod_common *c) {
                     at++;
                     continue;
                 }
-                pc_peer_block(block, s, e);
+                pc_system_block(block, s, e);
                 for (int r = 0; r < w; r++)
                     if (block[w * k + r] != 0) {
                         i[at] = (SuiteSparse_long)s->column[e] * w + r;
@@ -142,7 +124,7 @@ static pc_status hypre_matrix(HYPRE_IJMatrix *a, pc_context *ctx, const pc_syste
             HYPRE_Int count = 0;
             column[count] = row, value[count++] = s->diagonal[i];
             for (size_t e = s->start[i]; e < s->start[i + 1] && count + w <= MOST; e++) {
-                pc_peer_block(block, s, e);
+                pc_system_block(block, s, e);
                 for (int k = 0; k < w; k++)
                     if (block[w * r + k] != 0)
                         column[count] = (HYPRE_BigInt)s->column[e] * w + k, value[count++] = block[w * r + k];

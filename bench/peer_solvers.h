@@ -21,7 +21,5 @@ pc_status pc_peer_boomeramg(pc_peer_result *result, pc_context *ctx, const pc_sy
                             double *x, const double tolerance[2]);
 /* |b - A x| / |b| */
 double pc_peer_residual(const pc_system *system, pc_context *ctx, const double *b, const double *x);
-/* A real block of the matrix, width x width, row-major. */
-void pc_peer_block(double *out, const pc_system *system, size_t entry);
 
 #endif

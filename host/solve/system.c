@@ -37,8 +37,7 @@ void pc_system_free(pc_system *system, pc_context *ctx) {
     *system = (pc_system){0};
 }
 
-/* The block as a dense width x width matrix, row-major. */
-static void dense_block(double *out, const pc_system *s, size_t e) {
+void pc_system_block(double out[16], const pc_system *s, size_t e) {
     const double *v = s->value + e * (size_t)pc_block_width(s->kind);
     memset(out, 0, 16 * sizeof *out);
     if (s->kind == PC_BLOCK_SCALAR) {
@@ -94,8 +93,8 @@ static pc_status check_row(const pc_system *s, pc_context *ctx, pc_index row) {
         int w = pc_block_width(s->kind);
         double a[16];
         double b[16];
-        dense_block(a, s, e);
-        dense_block(b, s, back);
+        pc_system_block(a, s, e);
+        pc_system_block(b, s, back);
         double size = 0;
         for (int i = 0; i < w * w; i++)
             size += fabs(a[i]);

@@ -38,6 +38,8 @@ void pc_system_free(pc_system *system, pc_context *ctx);
 /* Columns ascending and in range, values finite, diagonal positive, symmetric up to rounding. PC_E_BUG else.
  */
 pc_status pc_system_check(const pc_system *system, pc_context *ctx);
+/* Entry e as a dense matrix of width x width numbers, row after row. */
+void pc_system_block(double out[16], const pc_system *system, size_t e);
 /* y = A x in plain C, double: the reference of every kernel. x and y hold width*row_count numbers. */
 void pc_system_apply(double *y, const pc_system *system, const double *x);
 
