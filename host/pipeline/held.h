@@ -40,8 +40,9 @@ typedef struct pc_held_spline {
     pc_tspline surface;
     pc_adapt_stats stats;
     pc_basis_facts facts;
-    double tolerance; /* model units */
-    double diagonal;  /* of the scan's box */
+    double tolerance;     /* model units */
+    double diagonal;      /* of the scan's box */
+    double earlier_error; /* that of another try, see pc_convert; 0: there was none */
 } pc_held_spline;
 
 typedef struct pc_held {

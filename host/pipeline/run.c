@@ -21,9 +21,10 @@ static pc_status read_input(pc_run *run) {
     return status;
 }
 
-static pc_status look_for_kept(pc_run *run) {
+/* Stages before `first` are as they were. */
+static pc_status look_for_kept(pc_run *run, pc_stage_id first) {
     pc_status status = PC_OK;
-    for (int id = 0; id < PC_STAGE_EXPORT; id++) {
+    for (int id = (int)first; id < PC_STAGE_EXPORT; id++) {
         pc_stage_id stage = (pc_stage_id)id;
         if (!pc_stage_wanted(stage, run->options)) {
             run->record[stage].state = PC_STAGE_SKIPPED;
@@ -79,13 +80,17 @@ static stopwatch start_stage(pc_run *run, pc_stage_id stage) {
     return (stopwatch){pc_clock_wall(), pc_clock_cpu()};
 }
 
+static size_t larger(size_t a, size_t b) {
+    return a > b ? a : b;
+}
+
 static void finish_stage(pc_run *run, pc_stage_id stage, stopwatch start, pc_stage_state state) {
     pc_stage_record *record = &run->record[stage];
     record->state = state;
-    record->wall_seconds = pc_clock_wall() - start.wall;
-    record->cpu_seconds = pc_clock_cpu() - start.cpu;
-    record->counted_peak = pc_memory_peak(run->ctx);
-    record->resident_peak = pc_clock_peak_bytes();
+    record->wall_seconds += pc_clock_wall() - start.wall; /* of all tries */
+    record->cpu_seconds += pc_clock_cpu() - start.cpu;
+    record->counted_peak = larger(record->counted_peak, pc_memory_peak(run->ctx));
+    record->resident_peak = larger(record->resident_peak, pc_clock_peak_bytes());
     tell(run, stage, true);
 }
 
@@ -111,13 +116,73 @@ done:
     return status;
 }
 
-static pc_status run_all(pc_run *run) {
+static pc_status run_from(pc_run *run, pc_stage_id first) {
     pc_status status = PC_OK;
-    for (int id = 0; id < PC_STAGE_EXPORT; id++) {
+    for (int id = (int)first; id < PC_STAGE_EXPORT; id++) {
         if (run->record[id].state == PC_STAGE_SKIPPED) continue;
         PC_TRY(run_stage(run, (pc_stage_id)id));
         PC_TRY(stop_where_asked(run, (pc_stage_id)id));
     }
+done:
+    return status;
+}
+
+/* The stages from the parameterization on, with other options; an earlier run may have left them. */
+static pc_status change_options(pc_run *run, const pc_convert_options *options) {
+    run->options = options;
+    for (int id = PC_STAGE_PARAM; id < PC_STAGE_EXPORT; id++) {
+        pc_stage_drop(run, (pc_stage_id)id);
+        pc_free(run->ctx, run->record[id].facts);
+        run->record[id].facts = NULL;
+        run->kept[id] = false;
+    }
+    return look_for_kept(run, PC_STAGE_PARAM);
+}
+
+/* The user has not chosen the size of the quads. */
+static bool may_try_closer(const pc_convert_options *o) {
+    return o->tolerance > 0 && o->last >= PC_STAGE_SPLINE && !o->quads && !(o->edge_length > 0) &&
+           !(o->edge_factor > 0);
+}
+
+/* The options of the try that comes after the one with run->options; NULL: that one stands. */
+static const pc_convert_options *next_try(const pc_run *run, const pc_convert_options *usual,
+                                          const pc_convert_options *closer) {
+    const pc_index most_faces = 1000000; /* of a scan that is tried again */
+    const pc_held_spline *spline = &run->product.spline;
+    const double error = spline->stats.accuracy.max, other = spline->earlier_error;
+    if (run->options == closer) return error > other ? usual : NULL;
+    if (error <= spline->tolerance || other > 0 || spline->stats.full) return NULL;
+    return run->product.mesh.mesh.face_count <= most_faces ? closer : NULL;
+}
+
+/* Where the spline misses the tolerance it is made again from quads that follow the scan more closely; where
+ * that is no better, as it was. */
+static pc_status improve(pc_run *run, const pc_convert_options *usual, const pc_convert_options *closer) {
+    pc_status status = PC_OK;
+    for (;;) {
+        PC_TRY(pc_stage_hold(run, PC_STAGE_SPLINE));
+        const pc_convert_options *next = next_try(run, usual, closer);
+        if (!next) break;
+        run->earlier_error = run->product.spline.stats.accuracy.max;
+        pc_log(run->ctx, PC_LOG_WARNING, "%g from the scan, not %g: %s", run->earlier_error,
+               run->product.spline.tolerance,
+               next == closer ? "once more, from quads that follow it more closely"
+                              : "no better, so the first try again");
+        PC_TRY(change_options(run, next));
+        PC_TRY(run_from(run, PC_STAGE_PARAM));
+    }
+done:
+    return status;
+}
+
+/* An earlier run may have ended with the other try. */
+static pc_status look_for_closer(pc_run *run, const pc_convert_options *usual,
+                                 const pc_convert_options *closer) {
+    pc_status status = PC_OK;
+    if (!usual->resume || run->kept[PC_STAGE_PARAM]) return PC_OK;
+    PC_TRY(change_options(run, closer));
+    if (!run->kept[PC_STAGE_SPLINE]) PC_TRY(change_options(run, usual));
 done:
     return status;
 }
@@ -135,14 +200,18 @@ static void free_run(pc_run *run) {
 pc_status pc_convert(char **report, pc_context *ctx, const char *scan, const char *out,
                      const pc_convert_options *options) {
     pc_run run = {.ctx = ctx, .options = options, .scan_path = scan, .out = out};
+    pc_convert_options closer = *options;
     pc_status status = PC_OK;
+    closer.closer = true;
     pc_folder folder = {.lock = -1};
     *report = NULL;
     PC_TRY(read_input(&run));
     PC_TRY(pc_device_open(&run.device, ctx, options->device));
     PC_TRY(pc_folder_prepare(&folder, ctx, out, options->resume, options->force));
-    PC_TRY(look_for_kept(&run));
-    PC_TRY(run_all(&run));
+    PC_TRY(look_for_kept(&run, PC_STAGE_SCAN));
+    if (may_try_closer(options)) PC_TRY(look_for_closer(&run, options, &closer));
+    PC_TRY(run_from(&run, PC_STAGE_SCAN));
+    if (may_try_closer(options)) PC_TRY(improve(&run, options, &closer));
     stopwatch start = start_stage(&run, PC_STAGE_EXPORT);
     status = pc_export(report, &run);
     if (status == PC_OK || status == PC_E_NOCONV) finish_stage(&run, PC_STAGE_EXPORT, start, PC_STAGE_MADE);

@@ -59,6 +59,7 @@ typedef struct pc_convert_options {
     uint64_t quads;     /* how many are wanted; 0: by length */
     double edge_length; /* of the quads, model units; 0: by factor */
     double edge_factor; /* times the mean edge of the scan; 0: by default 10, see PC_DEFAULT_LEAST_QUADS */
+    bool closer;        /* quads that a spline starts from follow the scan more closely than usual */
     int keep_ngons;     /* 1: cells that are not quads stay whole; 0: they are split into quads */
     const char *device; /* NULL: the default */
     bool curl_correction;
@@ -88,10 +89,13 @@ typedef struct pc_convert_options {
         .stop_after = PC_STAGE_COUNT                                                                         \
     }
 
-/* Converts the scan at `scan` into the folder `out`, which is made; what is there already is refused unless
- * `resume` or `force` is set (PC_E_USAGE). `*report` receives the text of report.json, freed with pc_free; it
- * is NULL on errors before the export. PC_E_NOCONV where a named check of the certificate failed: all outputs
- * are written then. PC_E_INTERRUPT where the user stopped it: finished stages stay in out/stages. */
+/* Converts the scan at `scan` into the folder `out`, which is made. Where the spline misses the tolerance it
+ * is tried once more with `closer`, and the better one is kept; not where the size of the quads or the budget
+ * is the user's choice, nor with millions of triangles. What is in `out` what is there already is refused
+ * unless `resume` or `force` is set (PC_E_USAGE). `*report` receives the text of report.json, freed with
+ * pc_free; it is NULL on errors before the export. PC_E_NOCONV where a named check of the certificate failed:
+ * all outputs are written then. PC_E_INTERRUPT where the user stopped it: finished stages stay in out/stages.
+ */
 pc_status pc_convert(char **report, pc_context *ctx, const char *scan, const char *out,
                      const pc_convert_options *options);
 

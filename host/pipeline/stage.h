@@ -39,6 +39,7 @@ typedef struct pc_run {
     pc_stage_record record[PC_STAGE_COUNT];
     pc_kernel_record *kernels;
     size_t kernel_count;
+    double earlier_error; /* of the spline's try before this one; 0: this is the first */
     pc_held product;
 } pc_run;
 

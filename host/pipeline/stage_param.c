@@ -9,6 +9,7 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_integer(json, "seed", (int64_t)options->seed);
     pc_json_integer(json, "quads", (int64_t)options->quads);
     pc_json_boolean(json, "keep_ngons", options->keep_ngons);
+    pc_json_boolean(json, "closer", options->closer);
     pc_json_integer(json, "pgp", options->pgp);
     pc_json_boolean(json, "for_spline", options->tolerance > 0);
 }
@@ -34,6 +35,13 @@ static void put_facts(pc_run *run, pc_json *facts, const pc_remesh_stats *stats)
                    singular, run->product.param.face_count);
 }
 
+/* A spline can be no better than what it starts from. Where whole cells are the faces, these are larger. */
+static void hold_on(pc_remesh_options *options, bool closer) {
+    const bool whole = options->ngons == PC_NGONS_KEEP;
+    options->reach = closer ? 0.55 : whole ? 0.7 : 0.85;
+    options->floor = closer ? 0.3 : whole ? 0.35 : 0.4;
+}
+
 static pc_status make(pc_run *run, pc_json *facts) {
     pc_held *p = &run->product;
     pc_remesh_options options = PC_REMESH_DEFAULTS;
@@ -44,10 +52,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     options.ngons = run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT;
     options.seed = run->options->seed;
     options.scheme = (pc_pgp_scheme)run->options->pgp;
-    if (run->options->tolerance > 0) { /* a spline can be no better than what it starts from */
-        options.reach = 0.85;
-        options.floor = 0.4;
-    }
+    if (run->options->tolerance > 0) hold_on(&options, run->options->closer);
     /* Each costs as much as all before it: on a large scan one has to do. */
     if (p->mesh.mesh.face_count > 1000000) options.refinements = 1;
     pc_status status = pc_remesh_make(

@@ -33,6 +33,7 @@ static void put_facts(pc_json *facts, const pc_held_spline *spline) {
     pc_json_number(facts, "error", stats->accuracy.max);
     pc_json_number(facts, "tolerance", spline->tolerance);
     pc_json_integer(facts, "samples", (int64_t)stats->fit.samples);
+    if (spline->earlier_error > 0) pc_json_number(facts, "error_of_other_try", spline->earlier_error);
 }
 
 /* The quads as a control mesh: no vertex inside may be between two of them only. */
@@ -57,6 +58,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     pc_status status = PC_OK;
     PC_TRY(pc_target_make(&target, run->ctx, &held->mesh, &held->adjacency));
     spline->diagonal = target.diagonal;
+    spline->earlier_error = run->earlier_error;
     spline->tolerance = run->options->tolerance * (run->options->tolerance_relative ? target.diagonal : 1);
     options.tolerance = spline->tolerance;
     options.max_points = most_points(run);
@@ -87,10 +89,10 @@ typedef struct named_real {
 } named_real;
 
 /* What is kept of the stats, as attributes of the group. */
-enum { REALS = 8, COUNTS = 5 };
+enum { REALS = 9, COUNTS = 6 };
 
-static const char *const count_names[COUNTS] = {"rounds", "first_control_points", "t_junctions", "samples",
-                                                "samples_beyond_borders"};
+static const char *const count_names[COUNTS] = {"rounds",  "first_control_points",   "t_junctions",
+                                                "samples", "samples_beyond_borders", "full"};
 
 static void name_reals(named_real named[REALS], pc_held_spline *spline) {
     pc_accuracy *a = &spline->stats.accuracy;
@@ -101,15 +103,20 @@ static void name_reals(named_real named[REALS], pc_held_spline *spline) {
                                    {"surface_error", &a->surface_max},
                                    {"scan_error_mean", &a->scan_mean},
                                    {"surface_error_mean", &a->surface_mean},
-                                   {"first_error", &spline->stats.first_max}};
+                                   {"first_error", &spline->stats.first_max},
+                                   {"error_of_other_try", &spline->earlier_error}};
     memcpy(named, all, sizeof all);
 }
 
 static pc_status save(pc_run *run, pc_store *store) {
     pc_held_spline *spline = &run->product.spline;
     const pc_adapt_stats *stats = &spline->stats;
-    const int64_t count[COUNTS] = {stats->rounds, stats->first_points, stats->junctions,
-                                   (int64_t)stats->accuracy.samples, (int64_t)stats->accuracy.beyond};
+    const int64_t count[COUNTS] = {stats->rounds,
+                                   stats->first_points,
+                                   stats->junctions,
+                                   (int64_t)stats->accuracy.samples,
+                                   (int64_t)stats->accuracy.beyond,
+                                   stats->full};
     named_real real[REALS];
     pc_status status = PC_OK;
     PC_TRY(pc_tspline_save(store, "spline", &spline->surface));
@@ -143,6 +150,7 @@ static pc_status load(pc_run *run, pc_store *store) {
     stats->junctions = (pc_index)count[2];
     stats->accuracy.samples = (size_t)count[3];
     stats->accuracy.beyond = (size_t)count[4];
+    stats->full = count[5] != 0;
     PC_TRY(pc_tspline_check(&spline->surface, &spline->facts, run->ctx));
 done:
     if (status != PC_OK) drop(run);

@@ -273,7 +273,9 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
             break;
         PC_TRY(refine(&more, &a, ctx));
     }
+    const bool full = !is_within_budget(&a);
     status = go_back(&a, ctx);
+    stats->full = full;
 done:
     pc_matching_free(&a.matching, ctx);
     pc_tspline_free(&a.best, ctx);

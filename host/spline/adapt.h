@@ -27,6 +27,7 @@ typedef struct pc_adapt_stats {
     pc_accuracy accuracy;  /* at the end */
     pc_fit_stats fit;      /* of the last fit */
     pc_index junctions;
+    bool full; /* the budget ended it */
 } pc_adapt_stats;
 
 /* The control points of `spline` lie on the scan at first. PC_E_NOCONV, with the reached error in the message
