@@ -261,7 +261,7 @@ def plot(good, path):
         axis.set_xlabel("vertices")
         axis.grid(True, which="both", alpha=0.3)
     axes[0].set_ylabel("CPU seconds")
-    axes[0].legend(fontsize=8)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
     figure.tight_layout()
     figure.savefig(path, dpi=110)
 

@@ -51,6 +51,7 @@ static void grade(double *scale, const pc_mesh *scan, const pc_adjacency *adjace
         for (pc_index i = 0; i < adjacency->edge_count; i++) {
             pc_index h = adjacency->edge_half[sweep % 2 ? adjacency->edge_count - 1 - i : i];
             pc_index a = pc_tail(scan, h), b = pc_head(scan, h);
+            if (scale[a] == scale[b]) continue;
             double along = pc_distance(pc_vec3_at(scan->position, a), pc_vec3_at(scan->position, b));
             double fall = exp(-along / length);
             if (scale[b] < scale[a] * fall * 0.999) scale[b] = scale[a] * fall, changed = true;

@@ -4,10 +4,12 @@
 #include "reconstruct.h"
 #include "transition.h"
 #include "vec3.h"
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MOST_ROUNDS = 16, LEAST_HEAP = 4096 };
+enum { MOST_WALKERS = 4 }; /* each has a label for every face */
 
 /* One search: distances from a dislocation over the faces, its shift carried along. */
 typedef struct label {
@@ -33,15 +35,20 @@ typedef struct plan {
     plan_state state; /* HOPELESS: there is no end within reach, and there will be none */
     pc_index start, face, exit;
     pc_point2 burgers; /* on arrival */
-    size_t path;       /* the half-edges on the way, in pc_dislocation_plans.path */
+    int trail;         /* that has the half-edges on the way, */
+    size_t path;       /* from here on */
     size_t path_count;
 } plan;
+
+typedef struct trail {
+    pc_index *half;
+    size_t count, room;
+} trail;
 
 struct pc_dislocation_plans {
     plan *plan;
     size_t count;
-    pc_index *path;
-    size_t path_count, path_room;
+    trail trail[MOST_WALKERS];
 };
 
 typedef struct search {
@@ -51,12 +58,21 @@ typedef struct search {
     const uint8_t *guarded; /* per vertex, or NULL */
     double reach;
     pc_vec3 *centre; /* per face */
+    pc_dislocation_plans *plans;
+    struct walker *walker;
+    int walker_count;
+} search;
+
+/* Who searches: several do at the same time, while nothing changes. */
+typedef struct walker {
+    const search *s;
     label *labels;
     heap_entry *heap;
     size_t heap_count, heap_room;
     pc_index stamp;
-    pc_dislocation_plans *plans;
-} search;
+    int trail; /* its own */
+    pc_status status;
+} walker;
 
 static pc_transition around(const pc_param *param, pc_index f) {
     size_t h = 3 * (size_t)f;
@@ -97,26 +113,26 @@ static bool is_before(heap_entry a, heap_entry b) {
     return a.distance < b.distance || (a.distance == b.distance && a.face < b.face);
 }
 
-static void push(search *s, double distance, pc_index face) {
-    size_t i = s->heap_count++;
+static void push(walker *w, double distance, pc_index face) {
+    size_t i = w->heap_count++;
     heap_entry entry = {distance, face};
-    for (; i > 0 && is_before(entry, s->heap[(i - 1) / 2]); i = (i - 1) / 2)
-        s->heap[i] = s->heap[(i - 1) / 2];
-    s->heap[i] = entry;
+    for (; i > 0 && is_before(entry, w->heap[(i - 1) / 2]); i = (i - 1) / 2)
+        w->heap[i] = w->heap[(i - 1) / 2];
+    w->heap[i] = entry;
 }
 
-static heap_entry pop(search *s) {
-    heap_entry top = s->heap[0], last = s->heap[--s->heap_count];
+static heap_entry pop(walker *w) {
+    heap_entry top = w->heap[0], last = w->heap[--w->heap_count];
     size_t i = 0;
     for (;;) {
         size_t child = 2 * i + 1;
-        if (child >= s->heap_count) break;
-        if (child + 1 < s->heap_count && is_before(s->heap[child + 1], s->heap[child])) child++;
-        if (!is_before(s->heap[child], last)) break;
-        s->heap[i] = s->heap[child];
+        if (child >= w->heap_count) break;
+        if (child + 1 < w->heap_count && is_before(w->heap[child + 1], w->heap[child])) child++;
+        if (!is_before(w->heap[child], last)) break;
+        w->heap[i] = w->heap[child];
         i = child;
     }
-    s->heap[i] = last;
+    w->heap[i] = last;
     return top;
 }
 
@@ -133,42 +149,44 @@ static bool takes_in(const search *s, pc_index f, pc_point2 burgers) {
     return g.a + burgers.s == 0 && g.b + burgers.t == 0;
 }
 
-static void relax(search *s, pc_index h, double distance, pc_point2 burgers) {
-    pc_index face = s->adjacency->twin[h] / 3;
-    label *l = &s->labels[face];
-    if (l->stamp == s->stamp + SETTLED || (l->stamp == s->stamp && l->distance <= distance)) return;
-    *l = (label){distance, s->stamp, h, {(int32_t)burgers.s, (int32_t)burgers.t}};
-    push(s, distance, face);
+static void relax(walker *w, pc_index h, double distance, pc_point2 burgers) {
+    pc_index face = w->s->adjacency->twin[h] / 3;
+    label *l = &w->labels[face];
+    if (l->stamp == w->stamp + SETTLED || (l->stamp == w->stamp && l->distance <= distance)) return;
+    *l = (label){distance, w->stamp, h, {(int32_t)burgers.s, (int32_t)burgers.t}};
+    push(w, distance, face);
 }
 
-static pc_point2 burgers_at(const search *s, pc_index face) {
-    const int32_t *b = s->labels[face].burgers;
+static pc_point2 burgers_at(const walker *w, pc_index face) {
+    const int32_t *b = w->labels[face].burgers;
     return (pc_point2){b[0], b[1]};
 }
 
 /* The way that the labels tell. */
-static pc_status keep_path(search *s, plan *p, pc_context *ctx) {
+static pc_status keep_path(walker *w, plan *p, pc_context *ctx) {
     pc_status status = PC_OK;
-    pc_dislocation_plans *plans = s->plans;
+    trail *kept = &w->s->plans->trail[w->trail];
     p->path_count = 0;
-    for (pc_index f = p->face; s->labels[f].from != PC_NONE; f = s->labels[f].from / 3)
+    for (pc_index f = p->face; w->labels[f].from != PC_NONE; f = w->labels[f].from / 3)
         p->path_count++;
-    if (plans->path_count + p->path_count > plans->path_room) {
-        plans->path_room = 2 * plans->path_room + p->path_count;
-        PC_TRY(pc_resize(&plans->path, ctx, plans->path_room));
+    if (kept->count + p->path_count > kept->room) {
+        kept->room = 2 * kept->room + p->path_count;
+        PC_TRY(pc_resize(&kept->half, ctx, kept->room));
     }
-    p->path = plans->path_count;
-    plans->path_count += p->path_count;
+    p->trail = w->trail;
+    p->path = kept->count;
+    kept->count += p->path_count;
     pc_index f = p->face;
-    for (size_t i = p->path_count; i-- > 0; f = s->labels[f].from / 3)
-        plans->path[p->path + i] = s->labels[f].from;
+    for (size_t i = p->path_count; i-- > 0; f = w->labels[f].from / 3)
+        kept->half[p->path + i] = w->labels[f].from;
 done:
     return status;
 }
 
 /* True where the search ends at `face`, which it has settled; otherwise its neighbours are labelled. */
-static bool expand(search *s, plan *p, pc_index face, double distance) {
-    const pc_point2 burgers = burgers_at(s, face);
+static bool expand(walker *w, plan *p, pc_index face, double distance) {
+    const search *s = w->s;
+    const pc_point2 burgers = burgers_at(w, face);
     if (face != p->start && takes_in(s, face, burgers)) return true;
     for (pc_index h = 3 * face; h < 3 * face + 3; h++) {
         pc_index twin = s->adjacency->twin[h];
@@ -176,38 +194,38 @@ static bool expand(search *s, plan *p, pc_index face, double distance) {
             p->exit = h;
             return true;
         }
-        relax(s, h, distance + pc_distance(s->centre[face], s->centre[twin / 3]), carried(s, h, burgers));
+        relax(w, h, distance + pc_distance(s->centre[face], s->centre[twin / 3]), carried(s, h, burgers));
     }
     return false;
 }
 
 /* Dijkstra over the faces, to the first one that takes the shift in. Where there is none within `reach` the
  * plan stays as it was. */
-static pc_status find_end(search *s, plan *p, bool *found, pc_context *ctx, double reach) {
+static pc_status find_end(walker *w, plan *p, bool *found, pc_context *ctx, double reach) {
     pc_status status = PC_OK;
-    pc_transition g = around(s->param, p->start);
+    pc_transition g = around(w->s->param, p->start);
     plan made = {.state = FOUND, .start = p->start, .exit = PC_NONE};
     *found = false;
-    s->stamp += NEXT_STAMP;
-    s->heap_count = 0;
-    s->labels[p->start] = (label){0, s->stamp, PC_NONE, {(int32_t)g.a, (int32_t)g.b}};
-    push(s, 0, p->start);
-    while (s->heap_count && !*found) {
-        if (s->heap_count + 3 > s->heap_room) {
-            PC_TRY(pc_resize(&s->heap, ctx, 2 * s->heap_room));
-            s->heap_room *= 2;
+    w->stamp += NEXT_STAMP;
+    w->heap_count = 0;
+    w->labels[p->start] = (label){0, w->stamp, PC_NONE, {(int32_t)g.a, (int32_t)g.b}};
+    push(w, 0, p->start);
+    while (w->heap_count && !*found) {
+        if (w->heap_count + 3 > w->heap_room) {
+            PC_TRY(pc_resize(&w->heap, ctx, 2 * w->heap_room));
+            w->heap_room *= 2;
         }
-        heap_entry top = pop(s);
-        label *l = &s->labels[top.face];
-        if (l->stamp == s->stamp + SETTLED || top.distance > l->distance) continue;
+        heap_entry top = pop(w);
+        label *l = &w->labels[top.face];
+        if (l->stamp == w->stamp + SETTLED || top.distance > l->distance) continue;
         if (top.distance > reach) break;
-        l->stamp = s->stamp + SETTLED;
+        l->stamp = w->stamp + SETTLED;
         made.distance = top.distance, made.face = top.face;
-        *found = expand(s, &made, top.face, top.distance);
+        *found = expand(w, &made, top.face, top.distance);
     }
     if (!*found) goto done;
-    made.burgers = burgers_at(s, made.face);
-    PC_TRY(keep_path(s, &made, ctx));
+    made.burgers = burgers_at(w, made.face);
+    PC_TRY(keep_path(w, &made, ctx));
     *p = made;
 done:
     return status;
@@ -237,9 +255,10 @@ static void flag(pc_param *param, pc_index f) {
 static void carry_out(search *s, const plan *p) {
     pc_transition g = around(s->param, p->start);
     pc_point2 burgers = {g.a, g.b};
-    for (size_t i = p->path; i < p->path + p->path_count; i++) {
-        move_across(s, s->plans->path[i], burgers);
-        burgers = carried(s, s->plans->path[i], burgers);
+    const pc_index *way = s->plans->trail[p->trail].half + p->path;
+    for (size_t i = 0; i < p->path_count; i++) {
+        move_across(s, way[i], burgers);
+        burgers = carried(s, way[i], burgers);
     }
     if (p->exit != PC_NONE) move_across(s, p->exit, burgers);
     flag(s->param, p->start);
@@ -261,22 +280,23 @@ static bool stands(const search *s, const plan *p) {
     return p->state == FOUND && (p->exit != PC_NONE || takes_in(s, p->face, p->burgers));
 }
 
-/* The open dislocations with an end, each with the nearest one. */
+/* The open dislocations with an end, each with the nearest one. Searches change nothing that others read. */
 static pc_status make_plans(plan **open, size_t *open_count, search *s, plan *plans, pc_context *ctx) {
-    pc_status status = PC_OK;
-    bool found;
     *open_count = 0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(s->walker_count)
     for (size_t i = 0; i < s->plans->count; i++) {
         plan *p = plans + i;
-        if (!is_open(s, p->start) || p->state == HOPELESS) continue;
-        if (!stands(s, p)) {
-            PC_TRY(find_end(s, p, &found, ctx, s->reach));
-            if (!found) p->state = HOPELESS;
-        }
-        if (p->state == FOUND) open[(*open_count)++] = p;
+        walker *w = &s->walker[omp_get_thread_num()];
+        bool found;
+        if (w->status != PC_OK || !is_open(s, p->start) || p->state == HOPELESS || stands(s, p)) continue;
+        w->status = find_end(w, p, &found, ctx, s->reach);
+        if (!found) p->state = HOPELESS;
     }
-done:
-    return status;
+    for (int t = 0; t < s->walker_count; t++)
+        if (s->walker[t].status != PC_OK) return s->walker[t].status;
+    for (size_t i = 0; i < s->plans->count; i++)
+        if (is_open(s, plans[i].start) && plans[i].state == FOUND) open[(*open_count)++] = plans + i;
+    return PC_OK;
 }
 
 /* The closest first. One whose partner has gone waits for the next round if the next end is farther. */
@@ -288,7 +308,7 @@ static pc_status cancel_round(search *s, plan **open, size_t open_count, pc_inde
         plan *p = open[i];
         bool found = true;
         if (s->param->singular[p->start] != PC_DISLOCATION) continue;
-        if (!stands(s, p)) PC_TRY(find_end(s, p, &found, ctx, fmin(s->reach, 1.5 * p->distance)));
+        if (!stands(s, p)) PC_TRY(find_end(s->walker, p, &found, ctx, fmin(s->reach, 1.5 * p->distance)));
         if (!found) continue;
         bool pair = p->exit == PC_NONE && s->param->singular[p->face] == PC_DISLOCATION;
         carry_out(s, p);
@@ -332,21 +352,39 @@ done:
     return status;
 }
 
+static pc_status make_walkers(search *s, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const int threads = omp_get_max_threads();
+    s->walker_count = threads < MOST_WALKERS ? threads : MOST_WALKERS;
+    PC_TRY(pc_new(&s->walker, ctx, s->walker_count));
+    for (int t = 0; t < s->walker_count; t++) {
+        walker *w = &s->walker[t];
+        *w = (walker){.s = s, .trail = t, .heap_room = LEAST_HEAP};
+        PC_TRY(pc_new(&w->labels, ctx, s->mesh->face_count));
+        PC_TRY(pc_new(&w->heap, ctx, w->heap_room));
+    }
+done:
+    return status;
+}
+
+static void free_walkers(search *s, pc_context *ctx) {
+    for (int t = 0; s->walker && t < s->walker_count; t++) {
+        pc_free(ctx, s->walker[t].labels);
+        pc_free(ctx, s->walker[t].heap);
+    }
+    pc_free(ctx, s->walker);
+}
+
 pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_dislocation_plans **known,
                                  pc_context *ctx, const pc_mesh *mesh, const pc_adjacency *adjacency,
                                  const uint8_t *guarded, double reach) {
     pc_status status = PC_OK;
     pc_dislocation_plans *own = NULL, **plans = known ? known : &own;
-    search s = {.mesh = mesh,
-                .adjacency = adjacency,
-                .param = param,
-                .guarded = guarded,
-                .reach = reach,
-                .heap_room = LEAST_HEAP};
+    search s = {.mesh = mesh, .adjacency = adjacency, .param = param, .guarded = guarded, .reach = reach};
     *cancelled = 0;
     PC_TRY(pc_new(&s.centre, ctx, mesh->face_count));
-    PC_TRY(pc_new(&s.labels, ctx, mesh->face_count));
-    PC_TRY(pc_new(&s.heap, ctx, s.heap_room));
+    PC_TRY(make_walkers(&s, ctx));
+#pragma omp parallel for schedule(static)
     for (pc_index f = 0; f < mesh->face_count; f++)
         s.centre[f] = centroid(mesh, f);
     if (!*plans) {
@@ -360,14 +398,14 @@ pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_disloc
 done:
     pc_dislocation_plans_free(own, ctx);
     pc_free(ctx, s.centre);
-    pc_free(ctx, s.labels);
-    pc_free(ctx, s.heap);
+    free_walkers(&s, ctx);
     return status;
 }
 
 void pc_dislocation_plans_free(pc_dislocation_plans *plans, pc_context *ctx) {
     if (!plans) return;
     pc_free(ctx, plans->plan);
-    pc_free(ctx, plans->path);
+    for (int t = 0; t < MOST_WALKERS; t++)
+        pc_free(ctx, plans->trail[t].half);
     pc_free(ctx, plans);
 }

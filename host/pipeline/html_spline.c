@@ -47,6 +47,8 @@ static void put_figures(pc_html *html, const pc_findings *findings, const pc_alb
                       "diagonal)</span></caption><tbody>\n");
     put_length(html, "tolerance", held->tolerance, held->diagonal);
     put_length(html, "largest, both ways", a->max, held->diagonal);
+    if (held->earlier_error > 0)
+        put_length(html, "largest in the try that was not kept", held->earlier_error, held->diagonal);
     put_length(html, "scan to surface, largest", a->scan_max, held->diagonal);
     put_length(html, "scan to surface, mean", a->scan_mean, held->diagonal);
     put_length(html, "surface to scan, largest", a->surface_max, held->diagonal);

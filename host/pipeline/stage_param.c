@@ -17,6 +17,7 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
 static void put_facts(pc_run *run, pc_json *facts, const pc_remesh_stats *stats) {
     const pc_param_stats *param = &stats->param;
     pc_json_number(facts, "period_length", run->product.param.period_length);
+    if (run->options->closer) pc_json_boolean(facts, "closer", true);
     pc_json_integer(facts, "tries", stats->tries);
     pc_json_integer(facts, "refinements", stats->refinements);
     pc_json_number(facts, "finest_scale", stats->finest_scale);
