@@ -139,10 +139,10 @@ static pc_status change_options(pc_run *run, const pc_convert_options *options) 
     return look_for_kept(run, PC_STAGE_PARAM);
 }
 
-/* The user has not chosen the size of the quads. */
+/* The user has chosen neither the size of the quads nor a budget. */
 static bool may_try_closer(const pc_convert_options *o) {
     return o->tolerance > 0 && o->last >= PC_STAGE_SPLINE && !o->quads && !(o->edge_length > 0) &&
-           !(o->edge_factor > 0);
+           !(o->edge_factor > 0) && !o->max_control_points;
 }
 
 /* The options of the try that comes after the one with run->options; NULL: that one stands. */

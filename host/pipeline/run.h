@@ -89,13 +89,12 @@ typedef struct pc_convert_options {
         .stop_after = PC_STAGE_COUNT                                                                         \
     }
 
-/* Converts the scan at `scan` into the folder `out`, which is made. Where the spline misses the tolerance it
- * is tried once more with `closer`, and the better one is kept; not where the size of the quads or the budget
- * is the user's choice, nor with millions of triangles. What is in `out` what is there already is refused
- * unless `resume` or `force` is set (PC_E_USAGE). `*report` receives the text of report.json, freed with
- * pc_free; it is NULL on errors before the export. PC_E_NOCONV where a named check of the certificate failed:
- * all outputs are written then. PC_E_INTERRUPT where the user stopped it: finished stages stay in out/stages.
- */
+/* Converts the scan at `scan` into the folder `out`, which is made; what is there already is refused unless
+ * `resume` or `force` is set (PC_E_USAGE). A spline that misses the tolerance is tried once more with
+ * `closer`, and the better one is kept; not where the options say how large quads or how many control points
+ * should be, nor above a million triangles. `*report` receives the text of report.json, freed with pc_free;
+ * it is NULL on errors before the export. PC_E_NOCONV where a named check of the certificate failed: all
+ * outputs are written then. PC_E_INTERRUPT where the user stopped it: finished stages stay in out/stages. */
 pc_status pc_convert(char **report, pc_context *ctx, const char *scan, const char *out,
                      const pc_convert_options *options);
 
