@@ -250,7 +250,8 @@ def plot(good, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4), sharey=True)
+    from matplotlib.ticker import NullFormatter
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.6), sharey=True, layout="constrained")
     for axis, kind in zip(axes, ("field", "pgp")):
         for method in METHODS:
             of = sorted((r["rows"], r["setup_cpu"] + r["solve_cpu"][0])
@@ -259,10 +260,10 @@ def plot(good, path):
                 axis.loglog(*zip(*of), "o-", label=NAMES[method])
         axis.set_title(f"{kind} systems, set-up and solve to 1e-6")
         axis.set_xlabel("vertices")
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.grid(True, which="both", alpha=0.3)
     axes[0].set_ylabel("CPU seconds")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
-    figure.tight_layout()
     figure.savefig(path, dpi=110)
 
 
