@@ -55,6 +55,11 @@ pc_status pc_kernel_get(pc_kernel **kernel, pc_context *ctx, pc_device *device, 
  * report. 0 items do nothing. */
 pc_status pc_kernel_run(pc_context *ctx, pc_kernel *kernel, size_t items, size_t local, double bytes,
                         const pc_argument *arguments, size_t count);
+/* The `local` of a kernel whose work-items do a chunk each: on a CPU a group of its own, so that few chunks
+ * are shared out too. */
+static inline size_t pc_chunk_group(const pc_device *device) {
+    return pc_device_shape(device) == PC_SHAPE_CHUNK ? 1 : 0;
+}
 /* Waits until everything started is done. */
 pc_status pc_launch_wait(pc_context *ctx, pc_device *device);
 

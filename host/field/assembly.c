@@ -70,7 +70,8 @@ pc_status pc_assembly_launch(double *value, pc_context *ctx, pc_device *device, 
     PC_TRY(pc_new(&result, ctx, 2 * entries));
     PC_TRY(upload(&b, ctx, device, work));
     PC_TRY(pc_kernel_get(&kernel, ctx, device, pc_kernel_field, "field_assemble"));
-    PC_TRY(pc_kernel_run(ctx, kernel, ((size_t)n + chunk - 1) / chunk, 0, entries * 28.0 + n * 4.0,
+    PC_TRY(pc_kernel_run(ctx, kernel, ((size_t)n + chunk - 1) / chunk, pc_chunk_group(device),
+                         entries * 28.0 + n * 4.0,
                          PC_ARGS(PC_BUF(b.value), PC_BUF(b.start), PC_BUF(b.half), PC_BUF(b.tail),
                                  PC_BUF(b.edge), PC_BUF(b.weight), PC_BUF(b.turn),
                                  PC_F32((float)work->smoothness), PC_U32(chunk), PC_U32(n))));

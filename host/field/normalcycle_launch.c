@@ -78,10 +78,10 @@ static pc_status run_averages(buffers *b, pc_context *ctx, pc_device *device, co
     for (int pass = 0; pass < passes; pass++) {
         pc_buffer *in = b->lump;
         PC_TRY(pc_check_interrupt(ctx));
-        PC_TRY(pc_kernel_run(ctx, average, items, 0, n * (2.0 * LUMP + 7) * 4 + entries * 4,
-                             PC_ARGS(PC_BUF(b->other), PC_BUF(in), PC_BUF(b->high), PC_BUF(b->low),
-                                     PC_BUF(b->start), PC_BUF(b->vertex), PC_F32(1.0f), PC_U32(b->chunk),
-                                     PC_U32(n))));
+        PC_TRY(pc_kernel_run(
+            ctx, average, items, pc_chunk_group(device), n * (2.0 * LUMP + 7) * 4 + entries * 4,
+            PC_ARGS(PC_BUF(b->other), PC_BUF(in), PC_BUF(b->high), PC_BUF(b->low), PC_BUF(b->start),
+                    PC_BUF(b->vertex), PC_F32(1.0f), PC_U32(b->chunk), PC_U32(n))));
         b->lump = b->other;
         b->other = in;
     }
@@ -99,7 +99,8 @@ static pc_status run_level(buffers *b, pc_context *ctx, pc_device *device, const
     PC_TRY(run_averages(b, ctx, device, work, level->passes - (k > 0 ? level[-1].passes : 0)));
     PC_TRY(pc_kernel_get(&principal, ctx, device, pc_kernel_curvature, "curvature_principal"));
     PC_TRY(
-        pc_kernel_run(ctx, principal, ((size_t)n + b->chunk - 1) / b->chunk, 0, n * (LUMP + RESULT) * 4.0,
+        pc_kernel_run(ctx, principal, ((size_t)n + b->chunk - 1) / b->chunk, pc_chunk_group(device),
+                      n * (LUMP + RESULT) * 4.0,
                       PC_ARGS(PC_BUF(b->result), PC_BUF(b->lump), PC_F32((float)(level->flat * work->step)),
                               PC_F32((float)level->noise), PC_F32(prefer), PC_U32(b->chunk), PC_U32(n))));
 done:
@@ -114,11 +115,12 @@ static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const pc_no
     size_t items = ((size_t)n + b->chunk - 1) / b->chunk;
     PC_TRY(pc_kernel_get(&bend, ctx, device, pc_kernel_curvature, "curvature_bend"));
     PC_TRY(pc_kernel_get(&gather, ctx, device, pc_kernel_curvature, "curvature_gather"));
-    PC_TRY(pc_kernel_run(ctx, bend, ((size_t)edges + b->chunk - 1) / b->chunk, 0,
+    PC_TRY(pc_kernel_run(ctx, bend, ((size_t)edges + b->chunk - 1) / b->chunk, pc_chunk_group(device),
                          edges * 8.0 + halves * 8 + n * 24.0,
                          PC_ARGS(PC_BUF(b->bend), PC_BUF(b->edge_half), PC_BUF(b->twin), PC_BUF(b->triangle),
                                  PC_BUF(b->high), PC_BUF(b->low), PC_U32(b->chunk), PC_U32(edges))));
-    PC_TRY(pc_kernel_run(ctx, gather, items, 0, n * (LUMP + 7) * 4.0 + entries * 8 + halves * 8 + edges * 4.0,
+    PC_TRY(pc_kernel_run(ctx, gather, items, pc_chunk_group(device),
+                         n * (LUMP + 7) * 4.0 + entries * 8 + halves * 8 + edges * 4.0,
                          PC_ARGS(PC_BUF(b->lump), PC_BUF(b->bend), PC_BUF(b->edge), PC_BUF(b->triangle),
                                  PC_BUF(b->high), PC_BUF(b->low), PC_BUF(b->start), PC_BUF(b->vertex),
                                  PC_BUF(b->half), PC_F32(1.0f), PC_U32(b->chunk), PC_U32(n))));

@@ -6,7 +6,7 @@
 
 extern const char pc_kernel_pgp[];
 
-enum { CHUNK = 4096, MOST_PER_RANGE = 1 << 22, GRAIN = 4096 };
+enum { CHUNK = 1024, MOST_PER_RANGE = 1 << 22, GRAIN = 4096 };
 
 /* Elements of `bytes` that go to the device at a time: few enough for its cap, whole chunks where there are
  * many. */
@@ -103,7 +103,8 @@ static pc_status couple_edges(couple_range *r, pc_context *ctx, pc_device *devic
     uint32_t chunk = chunk_of(device);
     PC_TRY(pc_buffer_write(r->corner, ctx, 0, r->corner_host, 4 * sizeof(pc_index) * (size_t)count));
     PC_TRY(pc_buffer_write(r->turn, ctx, 0, coupling->turn + first, count));
-    PC_TRY(pc_kernel_run(ctx, r->kernel, items(count, chunk), 0, count * (29.0 + 4 * 24 + 2 * 24),
+    PC_TRY(pc_kernel_run(ctx, r->kernel, items(count, chunk), pc_chunk_group(device),
+                         count * (29.0 + 4 * 24 + 2 * 24),
                          PC_ARGS(PC_BUF(r->advance), PC_BUF(r->weight), PC_BUF(r->corner), PC_BUF(r->turn),
                                  PC_BUF(v->high), PC_BUF(v->low), PC_BUF(v->normal), PC_BUF(v->direction),
                                  PC_BUF(v->scale), PC_U32(scaled), PC_U32(chunk), PC_U32(count))));
@@ -166,7 +167,8 @@ static pc_status assemble_rows(assembly *a, pc_system *system, pc_context *ctx, 
     PC_TRY(pc_buffer_make(&value, ctx, device, 4 * sizeof(double) * entries));
     PC_TRY(pc_buffer_make(&entry_turn, ctx, device, entries));
     PC_TRY(pc_buffer_make(&degree, ctx, device, sizeof(double) * count));
-    PC_TRY(pc_kernel_run(ctx, a->kernel, items(count, chunk), 0, (double)entries * (37 + 13) + 12.0 * count,
+    PC_TRY(pc_kernel_run(ctx, a->kernel, items(count, chunk), pc_chunk_group(device),
+                         (double)entries * (37 + 13) + 12.0 * count,
                          PC_ARGS(PC_BUF(value), PC_BUF(entry_turn), PC_BUF(degree), PC_BUF(start),
                                  PC_BUF(origin), PC_BUF(a->advance), PC_BUF(a->weight), PC_BUF(a->turn),
                                  PC_U32(chunk), PC_U32(count))));
@@ -238,7 +240,7 @@ pc_status pc_pgp_launch_normalise(double *phase, pc_context *ctx, pc_device *dev
     for (size_t first = 0; first < pairs; first += step) {
         pc_index n = least(step, pairs - first);
         PC_TRY(pc_buffer_write(buffer, ctx, 0, phase + 2 * first, pair * n));
-        PC_TRY(pc_kernel_run(ctx, kernel, items(n, chunk), 0, 32.0 * n,
+        PC_TRY(pc_kernel_run(ctx, kernel, items(n, chunk), pc_chunk_group(device), 32.0 * n,
                              PC_ARGS(PC_BUF(buffer), PC_U32(chunk), PC_U32(n))));
         PC_TRY(pc_buffer_read(phase + 2 * first, ctx, buffer, 0, pair * n));
         PC_TRY(pc_check_interrupt(ctx));
@@ -262,7 +264,7 @@ pc_status pc_pgp_launch_coordinates(int32_t *coordinate, pc_context *ctx, pc_dev
     for (size_t first = 0; first < pairs; first += step) {
         pc_index n = least(step, pairs - first);
         PC_TRY(pc_buffer_write(in, ctx, 0, phase + 2 * first, pair * n));
-        PC_TRY(pc_kernel_run(ctx, kernel, items(n, chunk), 0, 20.0 * n,
+        PC_TRY(pc_kernel_run(ctx, kernel, items(n, chunk), pc_chunk_group(device), 20.0 * n,
                              PC_ARGS(PC_BUF(out), PC_BUF(in), PC_U32(chunk), PC_U32(n))));
         PC_TRY(pc_buffer_read(coordinate + first, ctx, out, 0, sizeof(int32_t) * n));
         PC_TRY(pc_check_interrupt(ctx));
@@ -299,7 +301,7 @@ static pc_status shift_edges(shift_range *r, pc_context *ctx, pc_device *device,
     PC_TRY(pc_buffer_write(r->ends, ctx, 0, r->ends_host, pair * n));
     PC_TRY(pc_buffer_write(r->turn, ctx, 0, coupling->turn + first, n));
     PC_TRY(pc_buffer_write(r->advance, ctx, 0, coupling->advance + 2 * first, pair * n));
-    PC_TRY(pc_kernel_run(ctx, r->kernel, items(count, chunk), 0, 41.0 * count,
+    PC_TRY(pc_kernel_run(ctx, r->kernel, items(count, chunk), pc_chunk_group(device), 41.0 * count,
                          PC_ARGS(PC_BUF(r->shift), PC_BUF(r->ends), PC_BUF(r->turn), PC_BUF(r->advance),
                                  PC_BUF(r->coordinate), PC_U32(chunk), PC_U32(count))));
     PC_TRY(pc_buffer_read(r->shift_host, ctx, r->shift, 0, pair * n));

@@ -201,16 +201,17 @@ done:
 static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p) {
     pc_status status = PC_OK;
     pc_kernel *local = NULL, *rows = NULL;
-    const uint32_t chunk = pc_device_shape(device) == PC_SHAPE_CHUNK ? 32 : 1;
+    const uint32_t chunk = pc_device_shape(device) == PC_SHAPE_CHUNK ? 16 : 1;
+    const size_t group = pc_chunk_group(device);
     const uint32_t row_count = p->to - p->from;
     PC_TRY(pc_kernel_get(&local, ctx, device, pc_kernel_fit, "fit_local"));
     PC_TRY(pc_kernel_get(&rows, ctx, device, pc_kernel_fit, "fit_rows"));
-    PC_TRY(pc_kernel_run(ctx, local, (p->element_count + chunk - 1) / chunk, 0,
+    PC_TRY(pc_kernel_run(ctx, local, (p->element_count + chunk - 1) / chunk, group,
                          8.0 * (SAMPLE * (double)p->sample_count + (48.0 + PC_LOCAL_SIZE) * p->element_count),
                          PC_ARGS(PC_BUF(b->local), PC_BUF(b->tally), PC_BUF(b->first), PC_BUF(b->sample),
                                  PC_BUF(b->bezier), PC_BUF(b->bending), PC_BUF(b->plate),
                                  PC_U32(p->element_count), PC_U32(chunk))));
-    PC_TRY(pc_kernel_run(ctx, rows, (row_count + chunk - 1) / chunk, 0,
+    PC_TRY(pc_kernel_run(ctx, rows, (row_count + chunk - 1) / chunk, group,
                          8.0 * ((double)p->coefficient_count + PC_LOCAL_SIZE * (double)p->element_count),
                          PC_ARGS(PC_BUF(b->value), PC_BUF(b->diagonal), PC_BUF(b->right), PC_BUF(b->start),
                                  PC_BUF(b->use_start), PC_BUF(b->use), PC_BUF(b->use_element),
