@@ -19,7 +19,7 @@ static const char about[] =
 typedef struct convert_line {
     pc_convert_options options;
     const char *out, *last, *tolerance, *formats;
-    int ngons, borders, pgp;
+    int ngons, ragged, borders, pgp;
     uint64_t min_component, max_control_points, parts, threads;
     bool json, quiet, verbose, no_pictures;
 } convert_line;
@@ -62,6 +62,10 @@ static pc_status read_line(convert_line *line, pc_operands *operands, pc_context
         PC_FLAG("strict", 0, &o->strict, "refuse edges with more than two faces instead of cutting them"),
         PC_COUNT("min-component", &line->min_component, "N", 0, PC_NONE,
                  "leave out pieces of fewer than N triangles (default 1: none)"),
+        PC_CHOICE(
+            "ragged", &line->ragged, "fill|keep",
+            "borders in teeth of single triangles, and small holes with such: notches filled (default), or "
+            "left as they are"),
         PC_NUMBER("smoothness", &o->smoothness, "R", 0, 0.9999,
                   "of the direction field: 0 follows the curvature, near 1 forgets it (default 0.8)"),
         PC_CHOICE("align-borders", &line->borders, "off|auto|all",
@@ -138,6 +142,7 @@ static pc_status finish_options(convert_line *line, pc_context *ctx) {
     pc_convert_options *options = &line->options;
     pc_status status = PC_OK;
     options->keep_ngons = line->ngons == 1;
+    options->keep_ragged = line->ragged == 1;
     options->align_borders = line->borders;
     options->pgp = line->pgp;
     options->pictures = !line->no_pictures;

@@ -130,6 +130,7 @@ static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_string(json, "to", pc_stage_title(options->last));
     pc_json_boolean(json, "strict", options->strict);
     pc_json_integer(json, "min_component", options->min_component);
+    pc_json_string(json, "ragged", options->keep_ragged ? "keep" : "fill");
     if (options->smoothness >= 0) pc_json_number(json, "smoothness", options->smoothness);
     pc_json_string(json, "align_borders", borders[options->align_borders]);
     pc_json_string(json, "pgp", options->pgp ? "newton" : "normalise");

@@ -72,6 +72,7 @@ typedef struct pc_convert_options {
     bool force;                  /* overwrites the outputs of an earlier run */
     bool strict;                 /* refuses what repair would have to cut */
     pc_index min_component;      /* components of fewer faces are dropped */
+    bool keep_ragged;            /* notches of ragged borders are not filled */
     double smoothness;           /* rho of the field, 0..1; below 0: the field's default */
     int align_borders;           /* pc_align_borders */
     int pgp;                     /* pc_pgp_scheme */

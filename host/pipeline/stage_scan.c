@@ -1,12 +1,15 @@
 /* Scan: reads the file and makes its triangles an oriented 2-manifold. */
 #include "memory.h"
+#include "ragged.h"
 #include "repair_facts.h"
 #include "stage.h"
 #include <stdio.h>
+#include <string.h>
 
 static void put_options(pc_json *json, const pc_convert_options *options) {
     pc_json_boolean(json, "strict", options->strict);
     pc_json_integer(json, "min_component", options->min_component);
+    pc_json_boolean(json, "keep_ragged", options->keep_ragged);
 }
 
 static void note(pc_run *run, const pc_repair_report *report) {
@@ -24,6 +27,31 @@ static void name_file(pc_run *run) {
     (void)snprintf(message, sizeof message, "%s", pc_context_message(run->ctx));
     pc_context_clear_message(run->ctx);
     (void)pc_fail(run->ctx, PC_E_MESH, "%s: %s", run->scan_path, message);
+}
+
+/* Faces that are added come from no triangle of the file. */
+static pc_status fill_ragged(pc_run *run, pc_json *facts) {
+    pc_held_scan *scan = &run->product.scan;
+    pc_ragged_stats stats;
+    const pc_index given = scan->mesh.face_count;
+    pc_status status = PC_OK;
+    PC_TRY(pc_ragged_fill(&scan->mesh, &stats, run->ctx));
+    PC_TRY(pc_resize(&scan->face_source, run->ctx, scan->mesh.face_count));
+    for (pc_index f = given; f < scan->mesh.face_count; f++)
+        scan->face_source[f] = PC_NONE;
+    pc_json_integer(facts, "ragged_faces_added", stats.faces);
+    pc_json_integer(facts, "ragged_holes_closed", stats.closed);
+    if (stats.faces) {
+        pc_stage_record *record = &run->record[PC_STAGE_SCAN];
+        const size_t used = strlen(record->note);
+        (void)snprintf(record->note + used, sizeof record->note - used, ", %u more fill ragged borders",
+                       stats.faces);
+        pc_log(run->ctx, PC_LOG_INFO,
+               "%s: %u faces added in notches of ragged borders; %u holes closed by it", run->scan_path,
+               stats.faces, stats.closed);
+    }
+done:
+    return status;
 }
 
 static pc_status make(pc_run *run, pc_json *facts) {
@@ -45,6 +73,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     note(run, &report);
     scan->vertex_source = report.vertex_source, report.vertex_source = NULL;
     scan->face_source = report.face_source, report.face_source = NULL;
+    if (!run->options->keep_ragged) PC_TRY(fill_ragged(run, facts));
 done:
     pc_repair_report_free(&report, run->ctx);
     pc_mesh_free(&raw, run->ctx);

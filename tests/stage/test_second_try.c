@@ -42,6 +42,7 @@ static pc_status convert(tale *t, const char *out, double tolerance, bool resume
     options.device = "host";
     options.tolerance = tolerance, options.tolerance_relative = true;
     options.align_borders = PC_BORDERS_AUTO;
+    options.keep_ragged = true;
     options.pictures = false;
     options.resume = resume, options.force = resume;
     options.stop_after = stop_after;
