@@ -43,11 +43,22 @@ static void hold_on(pc_remesh_options *options, bool closer) {
     options->floor = closer ? 0.3 : whole ? 0.35 : 0.4;
 }
 
+static pc_status remesh(pc_remesh_stats *stats, pc_run *run, const pc_remesh_options *options) {
+    pc_held *p = &run->product;
+    double *scale = NULL;
+    pc_status status = pc_remesh_make(
+        &p->param, &p->layout, &scale, stats, run->ctx, run->device, &p->mesh.mesh, &p->mesh.adjacency,
+        &p->field, pc_stage_wanted(PC_STAGE_CURL, run->options) ? p->scale : NULL, options);
+    pc_free(run->ctx, scale);
+    return status;
+}
+
 static pc_status make(pc_run *run, pc_json *facts) {
+    const double smaller = 0.75;
     pc_held *p = &run->product;
     pc_remesh_options options = PC_REMESH_DEFAULTS;
     pc_remesh_stats stats;
-    double *scale = NULL;
+    pc_status status = PC_OK;
     options.period_length = p->mesh.period;
     options.quads = (double)run->options->quads;
     options.ngons = run->options->keep_ngons ? PC_NGONS_KEEP : PC_NGONS_SPLIT;
@@ -56,14 +67,17 @@ static pc_status make(pc_run *run, pc_json *facts) {
     if (run->options->tolerance > 0) hold_on(&options, run->options->closer);
     /* Each costs as much as all before it: on a large scan one has to do. */
     if (p->mesh.mesh.face_count > 1000000) options.refinements = 1;
-    pc_status status = pc_remesh_make(
-        &p->param, &p->layout, &scale, &stats, run->ctx, run->device, &p->mesh.mesh, &p->mesh.adjacency,
-        &p->field, pc_stage_wanted(PC_STAGE_CURL, run->options) ? p->scale : NULL, &options);
-    pc_free(run->ctx, scale);
-    if (status != PC_OK) return status;
+    PC_TRY(remesh(&stats, run, &options));
+    if (run->options->closer && stats.refinements == 0) { /* else the same quads as usual */
+        pc_param_free(&p->param, run->ctx);
+        pc_layout_free(&p->layout, run->ctx);
+        options.period_length *= smaller;
+        PC_TRY(remesh(&stats, run, &options));
+    }
     p->layout_stats = stats.layout;
     put_facts(run, facts, &stats);
-    return PC_OK;
+done:
+    return status;
 }
 
 static pc_status check(pc_run *run) {
