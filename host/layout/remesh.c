@@ -234,6 +234,7 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     sizing.period_length = r->period;
     if (r->options->reach > 0) sizing.reach = r->options->reach;
     if (r->options->floor > 0) sizing.floor = r->options->floor;
+    sizing.walls = r->options->walls;
     PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, &ground, &quads, folded, &sizing));
     r->stats->wanting = sizes.wanting;
     const double far = sizes.worst / (sizing.reach * sizing.edge_length);

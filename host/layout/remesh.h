@@ -17,9 +17,10 @@ typedef struct pc_remesh_options {
                         lost; 0: cells as equal as the field lets them */
     pc_pgp_scheme scheme;
     double reach, floor; /* of pc_sizing_options; 0: its defaults */
+    bool walls;          /* of pc_sizing_options */
 } pc_remesh_options;
 #define PC_REMESH_DEFAULTS                                                                                   \
-    { 0, 0, PC_NGONS_SPLIT, 1, 3, PC_PGP_NORMALISE, 0, 0 }
+    { 0, 0, PC_NGONS_SPLIT, 1, 3, PC_PGP_NORMALISE, 0, 0, false }
 
 typedef struct pc_remesh_stats {
     pc_param_stats param;

@@ -2,31 +2,49 @@
 #include "bvh.h"
 #include "memory.h"
 #include "polysurface.h"
+#include "thickness.h"
 
 enum { MOST_SWEEPS = 64 };
 static const double FOLD_GROWTH = 1.4; /* a folded face says that cells are too large, not by how much */
 
+/* How far the quads may be from vertex v, where they are `distance` from it. */
+static double limit_at(pc_index v, const pc_ground *ground, double scale, double distance,
+                       const pc_sizing_options *options) {
+    const double part = 0.4, least = 0.1; /* of the thickness; of the edges as asked */
+    const double length = options->edge_length;
+    const double limit = length * fmax(options->reach / scale, options->floor);
+    if (!options->walls || distance > limit || distance < least * length) return limit;
+    const double thickness = pc_thickness_at(ground, v, limit / part);
+    return fmin(limit, fmax(part * thickness, least * length));
+}
+
 /* Factors from distances: how much finer the quads must be for a vertex to be within reach. */
-static pc_status want_by_distance(double *want, double *worst, pc_context *ctx, const pc_mesh *scan,
+static pc_status want_by_distance(double *want, double *worst, pc_context *ctx, const pc_ground *ground,
                                   const double *scale, const pc_polymesh *quads,
                                   const pc_sizing_options *options) {
     pc_status status = PC_OK;
+    const pc_mesh *scan = ground->scan;
     pc_mesh surface = {0};
     pc_bvh tree = {0};
     pc_bvh_hit *hits = NULL;
+    double *limit = NULL;
     PC_TRY(pc_polysurface_make(&surface, NULL, ctx, quads));
     PC_TRY(pc_bvh_make(&tree, ctx, &surface));
     PC_TRY(pc_new(&hits, ctx, scan->vertex_count));
+    PC_TRY(pc_new(&limit, ctx, scan->vertex_count));
     pc_bvh_closest_all(hits, &tree, scan->position, scan->vertex_count);
+#pragma omp parallel for schedule(dynamic, 256)
+    for (pc_index v = 0; v < scan->vertex_count; v++)
+        if (hits[v].face != PC_NONE) limit[v] = limit_at(v, ground, scale[v], hits[v].distance, options);
     for (pc_index v = 0; v < scan->vertex_count; v++) {
-        double limit = options->edge_length * fmax(options->reach / scale[v], options->floor);
         *worst = fmax(*worst, hits[v].face == PC_NONE ? INFINITY : hits[v].distance);
-        if (hits[v].face == PC_NONE || hits[v].distance > limit)
+        if (hits[v].face == PC_NONE || hits[v].distance > limit[v])
             want[v] = hits[v].face == PC_NONE ? options->growth
-                                              : fmin(hits[v].distance / limit + 0.2, options->growth);
+                                              : fmin(hits[v].distance / limit[v] + 0.2, options->growth);
     }
 done:
     pc_free(ctx, hits);
+    pc_free(ctx, limit);
     pc_bvh_free(&tree, ctx);
     pc_mesh_free(&surface, ctx);
     return status;
@@ -81,7 +99,7 @@ pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ct
     double *want = NULL;
     *stats = (pc_sizing_stats){0};
     PC_TRY(pc_new(&want, ctx, scan->vertex_count));
-    PC_TRY(want_by_distance(want, &stats->worst, ctx, scan, scale, quads, options));
+    PC_TRY(want_by_distance(want, &stats->worst, ctx, ground, scale, quads, options));
     want_by_folds(want, &ground->tree, quads, folded);
     for (pc_index v = 0; v < scan->vertex_count; v++) {
         if (want[v] <= 0) continue;

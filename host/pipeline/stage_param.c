@@ -41,6 +41,7 @@ static void hold_on(pc_remesh_options *options, bool closer) {
     const bool whole = options->ngons == PC_NGONS_KEEP;
     options->reach = closer ? 0.55 : whole ? 0.7 : 0.85;
     options->floor = closer ? 0.3 : whole ? 0.35 : 0.4;
+    options->walls = closer;
 }
 
 static pc_status remesh(pc_remesh_stats *stats, pc_run *run, const pc_remesh_options *options) {

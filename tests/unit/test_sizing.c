@@ -140,12 +140,41 @@ static void edges_limit_scales(void **state) {
     free_bench(&b, ctx);
 }
 
+/* Quads 0.3 off are near enough for a single sheet, not for a wall of half an edge. */
+static void thin_walls_want_finer_ones(void **state) {
+    pc_context *ctx = *state;
+    for (int walls = 0; walls < 2; walls++) {
+        bench b;
+        pc_mesh other;
+        make_bench(&b, ctx, 0);
+        assert_ok(ctx, pc_mesh_copy(&other, ctx, &b.scan));
+        for (pc_index f = 0; f < other.face_count; f++) {
+            pc_index *t = other.triangle + 3 * (size_t)f, swap = t[1];
+            t[1] = t[2], t[2] = swap;
+        }
+        assert_ok(ctx, pc_synth_append(&b.scan, ctx, &other, (pc_vec3){0, 0, -0.5}));
+        pc_mesh_free(&other, ctx);
+        pc_adjacency_free(&b.adjacency, ctx);
+        assert_ok(ctx, pc_adjacency_make(&b.adjacency, ctx, &b.scan));
+        assert_ok(ctx, pc_resize(&b.scale, ctx, b.scan.vertex_count));
+        for (size_t v = 0; v < b.scan.vertex_count; v++)
+            b.scale[v] = 1;
+        for (size_t v = 0; v < b.quads.vertex_count; v++)
+            b.quads.position[3 * v + 2] = 0.3;
+        b.options.walls = walls;
+        update(&b, ctx);
+        assert_true(walls ? b.stats.wanting > b.scan.vertex_count / 3 : b.stats.wanting == 0);
+        free_bench(&b, ctx);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(good_quads_want_nothing, make_context, free_context),
         cmocka_unit_test_setup_teardown(a_missed_bump_raises_its_scale, make_context, free_context),
         cmocka_unit_test_setup_teardown(folded_faces_want_finer_ones, make_context, free_context),
         cmocka_unit_test_setup_teardown(edges_limit_scales, make_context, free_context),
+        cmocka_unit_test_setup_teardown(thin_walls_want_finer_ones, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
