@@ -3,6 +3,7 @@
 #include "sizing.h"
 #include "synth.h"
 #include "synth_quads.h"
+#include "synth_wear.h"
 #include "testing.h"
 #include "vec3.h"
 
