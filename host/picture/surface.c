@@ -326,7 +326,8 @@ static void shade_pixel(pc_color *color, const shader *s, facet *t, samples *p, 
     for (int first = 0; first < p->count; first++) {
         if (p->face[first] == PC_NONE) continue;
         if (p->face[first] != t->face) take_facet(t, s, p->face[first]);
-        samples same = {.count = 0};
+        samples same;
+        same.count = 0;
         for (int k = first; k < p->count; k++) {
             if (p->face[k] != t->face && (p->face[k] == PC_NONE || !goes_on(s, t, p->face[k]))) continue;
             same.x[same.count] = p->x[k], same.y[same.count++] = p->y[k];
@@ -336,15 +337,31 @@ static void shade_pixel(pc_color *color, const shader *s, facet *t, samples *p, 
     }
 }
 
+/* Most of a picture is background. */
+static bool is_empty(const pc_index *owner, size_t columns, int x0, int x1, int y0, int y1) {
+    pc_index all = PC_NONE;
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++)
+            all &= owner[(size_t)y * columns + (size_t)x];
+    return all == PC_NONE;
+}
+
 /* One row of pixels. */
 static void shade_row(pc_picture *picture, const shader *s, const pc_index *owner, int y) {
-    const int n = picture->samples, *box = s->pane->box;
+    enum { BLOCK = 16 };
+    const int n = picture->samples, *box = s->pane->box, end = (box[2] + n - 1) / n;
+    const int y0 = y * n > box[1] ? y * n : box[1], y1 = (y + 1) * n < box[3] ? (y + 1) * n : box[3];
     const float *shade = s->shade + (size_t)y * (size_t)picture->width;
     facet t = {.face = PC_NONE};
-    for (int x = box[0] / n; x * n < box[2]; x++) {
-        samples p;
-        take_pixel(&p, s, owner, x, y);
-        if (p.count > 0) shade_pixel(picture->color, s, &t, &p, shade[x]);
+    for (int x0 = box[0] / n; x0 < end; x0 += BLOCK) {
+        const int x1 = x0 + BLOCK < end ? x0 + BLOCK : end;
+        const int from = x0 * n > box[0] ? x0 * n : box[0], to = x1 * n < box[2] ? x1 * n : box[2];
+        if (is_empty(owner, (size_t)picture->columns, from, to, y0, y1)) continue;
+        for (int x = x0; x < x1; x++) {
+            samples p;
+            take_pixel(&p, s, owner, x, y);
+            if (p.count > 0) shade_pixel(picture->color, s, &t, &p, shade[x]);
+        }
     }
 }
 
