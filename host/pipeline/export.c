@@ -157,9 +157,10 @@ static pc_status write_pictures(pc_album *album, pc_run *run) {
         const pc_stage_id stage = pc_preview_stage(kind);
         if (!finished(run, stage)) continue;
         PC_TRY(pc_stage_hold(run, stage));
-        PC_TRY(pc_preview_write(run, kind, album));
+        PC_TRY(pc_preview_draw(album, run->ctx, &run->product, kind));
         if (stage == PC_STAGE_CURVATURE || stage == PC_STAGE_LAYOUT) pc_stage_drop(run, stage);
     }
+    PC_TRY(pc_album_write(album, run));
 done:
     return status;
 }

@@ -79,7 +79,11 @@ pc_status pc_album_measure(pc_album *album, pc_context *ctx, const pc_held *held
 
 void pc_album_free(pc_album *album, pc_context *ctx) {
     for (int kind = 0; kind < PC_PREVIEW_COUNT; kind++)
-        pc_free(ctx, album->page[kind].png);
+        for (int k = 0; k < 2; k++) {
+            pc_album_page *page = k ? &album->full[kind] : &album->page[kind];
+            pc_free(ctx, page->pixels);
+            pc_free(ctx, page->png);
+        }
     *album = (pc_album){0};
 }
 
@@ -151,47 +155,81 @@ static void coarsen(uint8_t *pixels, size_t count) {
 static pc_status keep_page(pc_album_page *page, pc_context *ctx, const uint8_t *pixels,
                            const pc_picture *picture, pc_preview_kind kind) {
     const int most = previews[kind].stage == PC_STAGE_SPLINE ? 900 : 720;
-    uint8_t *shrunk = NULL;
     int rows[2];
-    pc_status status = PC_OK;
     rows_used(rows, picture);
     const int width = picture->width, height = rows[1] - rows[0];
     page->width = width < most ? width : most;
     page->height = (page->width * height + width / 2) / width;
-    PC_TRY(pc_picture_shrink(&shrunk, ctx, pixels + 3 * (size_t)width * (size_t)rows[0], width, height,
-                             page->width, page->height));
-    coarsen(shrunk, 3 * (size_t)page->width * (size_t)page->height);
-    PC_TRY(pc_png_encode(&page->png, &page->size, ctx, shrunk, page->width, page->height));
-done:
-    pc_free(ctx, shrunk);
+    pc_status status = pc_picture_shrink(&page->pixels, ctx, pixels + 3 * (size_t)width * (size_t)rows[0],
+                                         width, height, page->width, page->height);
+    if (status == PC_OK) coarsen(page->pixels, 3 * (size_t)page->width * (size_t)page->height);
     return status;
 }
 
-pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options, pc_album *album) {
+/* The finished pixels, and in `album` (or NULL) what the report shows of them. */
+static pc_status make_pixels(pc_album_page *full, pc_context *ctx, const pc_held *held, pc_preview_kind kind,
+                             const pc_picture_options *options, pc_album *album) {
     pc_picture_options with_legend = *options;
     pc_picture picture;
-    uint8_t *pixels = NULL;
     const pc_mesh *mesh = &held->mesh.mesh;
     /* All pictures of a run are framed on the scan, so that they can be laid beside each other. */
     with_legend.legend = kind == PC_PREVIEW_CURVATURE || kind == PC_PREVIEW_ERROR;
     pc_status status = pc_picture_make(&picture, ctx, mesh->position, mesh->vertex_count, &with_legend);
     if (status != PC_OK) return status;
     PC_TRY(draw(&picture, ctx, held, kind, album));
-    PC_TRY(pc_picture_pixels(&pixels, ctx, &picture));
-    PC_TRY(pc_png_write(ctx, path, pixels, picture.width, picture.height));
-    if (album) PC_TRY(keep_page(&album->page[kind], ctx, pixels, &picture, kind));
+    PC_TRY(pc_picture_pixels(&full->pixels, ctx, &picture));
+    full->width = picture.width, full->height = picture.height;
+    if (album) PC_TRY(keep_page(&album->page[kind], ctx, full->pixels, &picture, kind));
 done:
-    pc_free(ctx, pixels);
     pc_picture_free(&picture, ctx);
     return status;
 }
 
-pc_status pc_preview_write(pc_run *run, pc_preview_kind kind, pc_album *album) {
-    const pc_picture_options options = PC_PICTURE_DEFAULTS;
-    char *path;
-    pc_status status = pc_folder_join(&path, run->ctx, run->out, pc_preview_name(kind), ".png");
-    if (status == PC_OK) status = pc_preview_save(run->ctx, path, &run->product, kind, &options, album);
+pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
+                          const pc_picture_options *options) {
+    pc_album_page full = {0};
+    pc_status status = make_pixels(&full, ctx, held, kind, options, NULL);
+    if (status == PC_OK) status = pc_png_write(ctx, path, full.pixels, full.width, full.height);
+    pc_free(ctx, full.pixels);
+    return status;
+}
+
+pc_status pc_preview_draw(pc_album *album, pc_context *ctx, const pc_held *held, pc_preview_kind kind) {
+    pc_picture_options options = PC_PICTURE_DEFAULTS;
+    options.width = 1200, options.height = 900;
+    return make_pixels(&album->full[kind], ctx, held, kind, &options, album);
+}
+
+static pc_status pack(pc_album_page *page, pc_context *ctx, pc_png_effort effort) {
+    if (!page->pixels) return PC_OK;
+    pc_status status =
+        pc_png_encode(&page->png, &page->size, ctx, page->pixels, page->width, page->height, effort);
+    pc_free(ctx, page->pixels);
+    page->pixels = NULL;
+    return status;
+}
+
+pc_status pc_album_write(pc_album *album, pc_run *run) {
+    enum { TASKS = 2 * PC_PREVIEW_COUNT };
+    pc_status status = PC_OK, packed[TASKS];
+    char *path = NULL;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int k = 0; k < TASKS; k++)
+        packed[k] = k < PC_PREVIEW_COUNT ? pack(&album->page[k], run->ctx, PC_PNG_TIGHT)
+                                         : pack(&album->full[k - PC_PREVIEW_COUNT], run->ctx, PC_PNG_QUICK);
+    for (int k = 0; k < TASKS; k++)
+        PC_TRY(packed[k]);
+    for (int kind = 0; kind < PC_PREVIEW_COUNT; kind++) {
+        pc_album_page *full = &album->full[kind];
+        if (!full->png) continue;
+        PC_TRY(pc_folder_join(&path, run->ctx, run->out, pc_preview_name((pc_preview_kind)kind), ".png"));
+        PC_TRY(pc_png_put(run->ctx, path, full->png, full->size));
+        pc_free(run->ctx, path);
+        path = NULL;
+        pc_free(run->ctx, full->png);
+        full->png = NULL;
+    }
+done:
     pc_free(run->ctx, path);
     return status;
 }
