@@ -203,7 +203,7 @@ static uint32_t share_of(int k, int x, int from, int to) {
 /* The rows that new row y covers, summed by how much of each it covers; then the same along them. */
 static void shrink_row(uint8_t *out, uint32_t *sum, const uint8_t *pixels, const int from[2], const int to[2],
                        int y) {
-    const uint64_t total = (uint64_t)from[0] * (uint64_t)from[1];
+    const double part = 1 / ((double)from[0] * (double)from[1]);
     const size_t width = 3 * (size_t)from[0];
     memset(sum, 0, width * sizeof(*sum));
     for (int j = y * from[1] / to[1]; j * to[1] < (y + 1) * from[1]; j++) {
@@ -220,7 +220,7 @@ static void shrink_row(uint8_t *out, uint32_t *sum, const uint8_t *pixels, const
                 all[k] += weight * sum[3 * i + k];
         }
         for (int k = 0; k < 3; k++)
-            out[3 * x + k] = (uint8_t)((all[k] + total / 2) / total);
+            out[3 * x + k] = (uint8_t)((double)all[k] * part + 0.5);
     }
 }
 
