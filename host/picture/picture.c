@@ -64,20 +64,26 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
                        "a picture of %d x %d pixels with %d x %d samples each: 16 to 16000 pixels "
                        "and 1 to 4 samples, their product at most 32000, can be drawn",
                        options->width, options->height, options->samples, options->samples);
-    int s = options->samples;
-    picture->width = options->width, picture->height = options->height, picture->samples = s;
-    picture->columns = s * options->width, picture->rows = s * options->height;
-    const int wish = legend_width(options->width);
-    int legend = options->legend && options->width > 3 * wish ? wish : 0;
-    int free_box[4] = {options->width - legend, 0, options->width, options->height};
-    memcpy(picture->legend_box, free_box, sizeof(free_box));
-    int box[4] = {0, 0, s * (options->width - legend), picture->rows};
-    make_panes(picture, position, count, options, box);
-
+    picture->width = options->width, picture->height = options->height, picture->samples = options->samples;
+    picture->columns = options->samples * options->width, picture->rows = options->samples * options->height;
+    const size_t total = (size_t)picture->columns * (size_t)picture->rows;
     pc_status status;
-    size_t total = (size_t)picture->columns * (size_t)picture->rows;
     PC_TRY(pc_new(&picture->depth, ctx, total));
     PC_TRY(pc_new(&picture->color, ctx, total));
+    pc_picture_clear(picture, position, count, options);
+done:
+    if (status != PC_OK) pc_picture_free(picture, ctx);
+    return status;
+}
+
+void pc_picture_clear(pc_picture *picture, const double *position, size_t count,
+                      const pc_picture_options *options) {
+    const int wish = legend_width(picture->width);
+    const int legend = options->legend && picture->width > 3 * wish ? wish : 0;
+    const int free_box[4] = {picture->width - legend, 0, picture->width, picture->height};
+    memcpy(picture->legend_box, free_box, sizeof(free_box));
+    const int box[4] = {0, 0, picture->samples * (picture->width - legend), picture->rows};
+    make_panes(picture, position, count, options, box);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < picture->rows; y++) {
         pc_color color = background(y, picture->rows);
@@ -87,14 +93,13 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
             picture->color[i] = color;
         }
     }
-done:
-    if (status != PC_OK) pc_picture_free(picture, ctx);
-    return status;
 }
 
 void pc_picture_free(pc_picture *picture, pc_context *ctx) {
     pc_free(ctx, picture->depth);
     pc_free(ctx, picture->color);
+    pc_free(ctx, picture->owner);
+    pc_free(ctx, picture->shade);
     *picture = (pc_picture){0};
 }
 

@@ -3,6 +3,7 @@
 #include "occlusion.h"
 #include "pick.h"
 #include "raster.h"
+#include <string.h>
 
 typedef struct lights {
     float key[3], half[3], fill[3], up[3], back[3]; /* unit, from the surface to the light */
@@ -347,7 +348,7 @@ static bool is_empty(const pc_index *owner, size_t columns, int x0, int x1, int 
 }
 
 /* One row of pixels. */
-static void shade_row(pc_picture *picture, const shader *s, const pc_index *owner, int y) {
+static void shade_row(pc_picture *picture, const shader *s, int y) {
     enum { BLOCK = 16 };
     const int n = picture->samples, *box = s->pane->box, end = (box[2] + n - 1) / n;
     const int y0 = y * n > box[1] ? y * n : box[1], y1 = (y + 1) * n < box[3] ? (y + 1) * n : box[3];
@@ -356,10 +357,10 @@ static void shade_row(pc_picture *picture, const shader *s, const pc_index *owne
     for (int x0 = box[0] / n; x0 < end; x0 += BLOCK) {
         const int x1 = x0 + BLOCK < end ? x0 + BLOCK : end;
         const int from = x0 * n > box[0] ? x0 * n : box[0], to = x1 * n < box[2] ? x1 * n : box[2];
-        if (is_empty(owner, (size_t)picture->columns, from, to, y0, y1)) continue;
+        if (is_empty(picture->owner, (size_t)picture->columns, from, to, y0, y1)) continue;
         for (int x = x0; x < x1; x++) {
             samples p;
-            take_pixel(&p, s, owner, x, y);
+            take_pixel(&p, s, picture->owner, x, y);
             if (p.count > 0) shade_pixel(picture->color, s, &t, &p, shade[x]);
         }
     }
@@ -381,14 +382,24 @@ static pc_status make_owner_normals(pc_vec3 **out, pc_context *ctx, const pc_sur
     return PC_OK;
 }
 
+/* Kept from surface to surface: fresh memory of that size takes longer than much of the drawing. */
+static pc_status make_room(pc_picture *picture, pc_context *ctx) {
+    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    pc_status status = PC_OK;
+    if (!picture->owner)
+        PC_TRY(pc_new(&picture->owner, ctx, (size_t)picture->columns * (size_t)picture->rows));
+    if (!picture->shade) PC_TRY(pc_new(&picture->shade, ctx, pixels));
+    memset(picture->shade, 0, pixels * sizeof(*picture->shade));
+done:
+    return status;
+}
+
 pc_status pc_surface_draw(pc_picture *picture, pc_context *ctx, const pc_surface *surface) {
     pc_status status;
-    float *screen = NULL, *normal = NULL, *shade = NULL, *stripe = NULL;
-    pc_index *owner = NULL;
+    float *screen = NULL, *normal = NULL, *stripe = NULL;
     pc_vec3 *owner_normal = NULL;
     PC_TRY(pc_new(&screen, ctx, 3 * (size_t)surface->vertex_count));
-    PC_TRY(pc_new(&owner, ctx, (size_t)picture->columns * (size_t)picture->rows));
-    PC_TRY(pc_new(&shade, ctx, (size_t)picture->width * (size_t)picture->height));
+    PC_TRY(make_room(picture, ctx));
     if (!surface->normal && surface->flat < 1) {
         PC_TRY(pc_new(&normal, ctx, 3 * (size_t)surface->vertex_count));
         pc_surface_normals(normal, surface->position, surface->vertex_count, surface->triangle,
@@ -398,7 +409,7 @@ pc_status pc_surface_draw(pc_picture *picture, pc_context *ctx, const pc_surface
     shader s = {.surface = surface,
                 .picture = picture,
                 .screen = screen,
-                .shade = shade,
+                .shade = picture->shade,
                 .normal = surface->normal ? surface->normal : normal,
                 .owner_normal = owner_normal};
     make_tone(&s.tone);
@@ -406,22 +417,20 @@ pc_status pc_surface_draw(pc_picture *picture, pc_context *ctx, const pc_surface
         s.pane = &picture->pane[k];
         make_lights(&s.light, &s.pane->camera);
         pc_raster_project(screen, &s.pane->camera, surface->position, surface->vertex_count);
-        PC_TRY(
-            pc_raster_triangles(picture, ctx, owner, s.pane, screen, surface->triangle, surface->face_count));
-        if (surface->cavity > 0) PC_TRY(pc_occlusion_make(shade, ctx, picture, s.pane));
+        PC_TRY(pc_raster_triangles(picture, ctx, picture->owner, s.pane, screen, surface->triangle,
+                                   surface->face_count));
+        if (surface->cavity > 0) PC_TRY(pc_occlusion_make(picture->shade, ctx, picture, s.pane));
         if (surface->stripes > 0) PC_TRY(make_stripes(&stripe, ctx, &s));
         s.stripe = stripe;
 #pragma omp parallel for schedule(dynamic, 8)
         for (int y = s.pane->box[1] / picture->samples;
              y < (s.pane->box[3] + picture->samples - 1) / picture->samples; y++)
-            shade_row(picture, &s, owner, y);
+            shade_row(picture, &s, y);
     }
 done:
     pc_free(ctx, screen);
     pc_free(ctx, normal);
-    pc_free(ctx, shade);
     pc_free(ctx, stripe);
-    pc_free(ctx, owner);
     pc_free(ctx, owner_normal);
     return status;
 }

@@ -84,6 +84,7 @@ void pc_album_free(pc_album *album, pc_context *ctx) {
             pc_free(ctx, page->pixels);
             pc_free(ctx, page->png);
         }
+    pc_picture_free(&album->picture, ctx);
     *album = (pc_album){0};
 }
 
@@ -166,38 +167,58 @@ static pc_status keep_page(pc_album_page *page, pc_context *ctx, const uint8_t *
     return status;
 }
 
-/* The finished pixels, and in `album` (or NULL) what the report shows of them. */
-static pc_status make_pixels(pc_album_page *full, pc_context *ctx, const pc_held *held, pc_preview_kind kind,
-                             const pc_picture_options *options, pc_album *album) {
-    pc_picture_options with_legend = *options;
-    pc_picture picture;
-    const pc_mesh *mesh = &held->mesh.mesh;
-    /* All pictures of a run are framed on the scan, so that they can be laid beside each other. */
-    with_legend.legend = kind == PC_PREVIEW_CURVATURE || kind == PC_PREVIEW_ERROR;
-    pc_status status = pc_picture_make(&picture, ctx, mesh->position, mesh->vertex_count, &with_legend);
-    if (status != PC_OK) return status;
-    PC_TRY(draw(&picture, ctx, held, kind, album));
-    PC_TRY(pc_picture_pixels(&full->pixels, ctx, &picture));
-    full->width = picture.width, full->height = picture.height;
-    if (album) PC_TRY(keep_page(&album->page[kind], ctx, full->pixels, &picture, kind));
-done:
-    pc_picture_free(&picture, ctx);
-    return status;
+static pc_status finish(pc_album_page *page, pc_context *ctx, const pc_picture *picture) {
+    page->width = picture->width, page->height = picture->height;
+    return pc_picture_pixels(&page->pixels, ctx, picture);
+}
+
+/* All pictures of a run are framed on the scan, so that they can be laid beside each other. */
+static bool has_legend(pc_preview_kind kind) {
+    return kind == PC_PREVIEW_CURVATURE || kind == PC_PREVIEW_ERROR;
 }
 
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
                           const pc_picture_options *options) {
+    pc_picture_options own = *options;
+    pc_picture picture;
     pc_album_page full = {0};
-    pc_status status = make_pixels(&full, ctx, held, kind, options, NULL);
-    if (status == PC_OK) status = pc_png_write(ctx, path, full.pixels, full.width, full.height);
+    const pc_mesh *mesh = &held->mesh.mesh;
+    own.legend = has_legend(kind);
+    pc_status status = pc_picture_make(&picture, ctx, mesh->position, mesh->vertex_count, &own);
+    if (status != PC_OK) return status;
+    PC_TRY(draw(&picture, ctx, held, kind, NULL));
+    PC_TRY(finish(&full, ctx, &picture));
+    PC_TRY(pc_png_write(ctx, path, full.pixels, full.width, full.height));
+done:
     pc_free(ctx, full.pixels);
+    pc_picture_free(&picture, ctx);
     return status;
 }
 
-pc_status pc_preview_draw(pc_album *album, pc_context *ctx, const pc_held *held, pc_preview_kind kind) {
+/* An empty picture in the album, or the scan's to draw the field over. */
+static pc_status start(pc_album *album, pc_context *ctx, const pc_mesh *mesh, pc_preview_kind kind) {
     pc_picture_options options = PC_PICTURE_DEFAULTS;
-    options.width = 1200, options.height = 900;
-    return make_pixels(&album->full[kind], ctx, held, kind, &options, album);
+    options.width = 1200, options.height = 900, options.legend = has_legend(kind);
+    if (!album->drawn)
+        return pc_picture_make(&album->picture, ctx, mesh->position, mesh->vertex_count, &options);
+    pc_picture_clear(&album->picture, mesh->position, mesh->vertex_count, &options);
+    return PC_OK;
+}
+
+pc_status pc_preview_draw(pc_album *album, pc_context *ctx, const pc_held *held, pc_preview_kind kind) {
+    pc_status status = PC_OK;
+    pc_album_page *full = &album->full[kind];
+    if (kind == PC_PREVIEW_FIELD && album->drawn == PC_PREVIEW_SCAN + 1) {
+        PC_TRY(pc_scene_field(&album->picture, ctx, &held->mesh.mesh, &held->field));
+    } else {
+        PC_TRY(start(album, ctx, &held->mesh.mesh, kind));
+        PC_TRY(draw(&album->picture, ctx, held, kind, album));
+    }
+    album->drawn = (int)kind + 1;
+    PC_TRY(finish(full, ctx, &album->picture));
+    PC_TRY(keep_page(&album->page[kind], ctx, full->pixels, &album->picture, kind));
+done:
+    return status;
 }
 
 static pc_status pack(pc_album_page *page, pc_context *ctx, pc_png_effort effort) {
@@ -213,6 +234,8 @@ pc_status pc_album_write(pc_album *album, pc_run *run) {
     enum { TASKS = 2 * PC_PREVIEW_COUNT };
     pc_status status = PC_OK, packed[TASKS];
     char *path = NULL;
+    pc_picture_free(&album->picture, run->ctx);
+    album->drawn = 0;
 #pragma omp parallel for schedule(dynamic, 1)
     for (int k = 0; k < TASKS; k++)
         packed[k] = k < PC_PREVIEW_COUNT ? pack(&album->page[k], run->ctx, PC_PNG_TIGHT)

@@ -31,6 +31,8 @@ typedef struct pc_album_page {
 typedef struct pc_album {
     pc_album_page page[PC_PREVIEW_COUNT]; /* smaller, for the report */
     pc_album_page full[PC_PREVIEW_COUNT]; /* for the files */
+    pc_picture picture;                   /* the last one drawn */
+    int drawn;                            /* its kind + 1, or 0 */
     bool has_errors;
     pc_errors errors; /* of the spline, without `distance` */
 } pc_album;
@@ -47,7 +49,8 @@ pc_stage_id pc_preview_stage(pc_preview_kind kind);
  * replaced. */
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
                           const pc_picture_options *options);
-/* Draws it into the album, in the size of a run's pictures. */
+/* Draws it into the album, in the size of a run's pictures: the field in less time right after the scan. All
+ * of one album are of one run. */
 pc_status pc_preview_draw(pc_album *album, pc_context *ctx, const pc_held *held, pc_preview_kind kind);
 /* Packs all that was drawn, with all threads, and writes out/<name>.png. The pages are there then. */
 pc_status pc_album_write(pc_album *album, pc_run *run);
