@@ -183,7 +183,7 @@ static void draw_tile(pc_picture *picture, pc_index *owner, const pc_tiles *tile
     tile.y0 = (int)(t / (size_t)tiles->columns) * PC_TILE;
     const pc_span part = visible_part(&tile, box);
     if (part.x1 < part.x0 || part.y1 < part.y0) return;
-    const size_t width = (size_t)(part.x1 - part.x0 + 1);
+    const size_t width = (size_t)part.x1 - (size_t)part.x0 + 1;
     const bool empty = tiles->start[t] == tiles->start[t + 1];
     memset(tile.owner, 0xff, sizeof(tile.owner)); /* PC_NONE */
     memset(tile.depth, 0, sizeof(tile.depth));

@@ -310,7 +310,7 @@ static bool goes_on(const shader *s, const facet *t, pc_index face) {
 }
 
 /* What a pixel shows of the pane and of the surface. */
-static void take_pixel(samples *p, const shader *s, const pc_index *owner, int x, int y) {
+static inline void take_pixel(samples *p, const shader *s, const pc_index *owner, int x, int y) {
     const int *box = s->pane->box, n = s->picture->samples;
     const int x0 = x * n > box[0] ? x * n : box[0], x1 = (x + 1) * n < box[2] ? (x + 1) * n : box[2];
     const int y0 = y * n > box[1] ? y * n : box[1], y1 = (y + 1) * n < box[3] ? (y + 1) * n : box[3];

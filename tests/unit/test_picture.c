@@ -98,15 +98,14 @@ static int limited(int value, int end) {
 
 /* A channel of a pixel, sample by sample: 3 for those inside, 1 for those around, along both directions. */
 static int mixed_channel(const pc_picture *picture, int x, int y, int channel) {
-    const int s = picture->samples, rim = s > 1;
-    int sum = 0, total = 0;
+    const int s = picture->samples, rim = s > 1, side = s > 1 ? 3 * s + 2 : 3, total = side * side;
+    int sum = 0;
     for (int j = -rim; j < s + rim; j++)
         for (int i = -rim; i < s + rim; i++) {
             const int weight = (i < 0 || i >= s ? 1 : 3) * (j < 0 || j >= s ? 1 : 3);
             const size_t row = (size_t)limited(y * s + j, picture->rows);
             const size_t at = row * (size_t)picture->columns + (size_t)limited(x * s + i, picture->columns);
             sum += weight * pc_color_channel(picture->color[at], channel);
-            total += weight;
         }
     return (sum + total / 2) / total;
 }
