@@ -4,9 +4,9 @@
 
 #include "picture.h"
 
-/* Per pixel of the picture, within the pane: about -1 (deep hollow) .. 0 (flat) .. 1 (ridge). The average
- * over opposite neighbours at several radii, so that a slope alone says nothing. `shade` has width*height
- * floats. */
+/* Per pixel of the picture, within the pane and where something is: about -1 (deep hollow) .. 0 (flat) .. 1
+ * (ridge). The average over opposite neighbours at several radii, so that a slope alone says nothing. `shade`
+ * has width*height floats. */
 pc_status pc_occlusion_make(float *shade, pc_context *ctx, const pc_picture *picture, const pc_pane *pane);
 
 #endif

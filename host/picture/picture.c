@@ -64,20 +64,26 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
                        "a picture of %d x %d pixels with %d x %d samples each: 16 to 16000 pixels "
                        "and 1 to 4 samples, their product at most 32000, can be drawn",
                        options->width, options->height, options->samples, options->samples);
-    int s = options->samples;
-    picture->width = options->width, picture->height = options->height, picture->samples = s;
-    picture->columns = s * options->width, picture->rows = s * options->height;
-    const int wish = legend_width(options->width);
-    int legend = options->legend && options->width > 3 * wish ? wish : 0;
-    int free_box[4] = {options->width - legend, 0, options->width, options->height};
-    memcpy(picture->legend_box, free_box, sizeof(free_box));
-    int box[4] = {0, 0, s * (options->width - legend), picture->rows};
-    make_panes(picture, position, count, options, box);
-
+    picture->width = options->width, picture->height = options->height, picture->samples = options->samples;
+    picture->columns = options->samples * options->width, picture->rows = options->samples * options->height;
+    const size_t total = (size_t)picture->columns * (size_t)picture->rows;
     pc_status status;
-    size_t total = (size_t)picture->columns * (size_t)picture->rows;
     PC_TRY(pc_new(&picture->depth, ctx, total));
     PC_TRY(pc_new(&picture->color, ctx, total));
+    pc_picture_clear(picture, position, count, options);
+done:
+    if (status != PC_OK) pc_picture_free(picture, ctx);
+    return status;
+}
+
+void pc_picture_clear(pc_picture *picture, const double *position, size_t count,
+                      const pc_picture_options *options) {
+    const int wish = legend_width(picture->width);
+    const int legend = options->legend && picture->width > 3 * wish ? wish : 0;
+    const int free_box[4] = {picture->width - legend, 0, picture->width, picture->height};
+    memcpy(picture->legend_box, free_box, sizeof(free_box));
+    const int box[4] = {0, 0, picture->samples * (picture->width - legend), picture->rows};
+    make_panes(picture, position, count, options, box);
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < picture->rows; y++) {
         pc_color color = background(y, picture->rows);
@@ -87,20 +93,14 @@ pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *po
             picture->color[i] = color;
         }
     }
-done:
-    if (status != PC_OK) pc_picture_free(picture, ctx);
-    return status;
 }
 
 void pc_picture_free(pc_picture *picture, pc_context *ctx) {
     pc_free(ctx, picture->depth);
     pc_free(ctx, picture->color);
+    pc_free(ctx, picture->owner);
+    pc_free(ctx, picture->shade);
     *picture = (pc_picture){0};
-}
-
-/* Three channels in one number, 21 bits each, so that they are added at once. */
-static uint64_t spread(pc_color c) {
-    return (c & 0xff) | (uint64_t)(c & 0xff00) << 13 | (uint64_t)(c & 0xff0000) << 26;
 }
 
 static int clamp(int value, int end) {
@@ -108,23 +108,85 @@ static int clamp(int value, int end) {
 }
 
 /* A pixel is the average of its samples and, at a third of the weight, of those just around it: edges get
- * smoother than the samples inside alone could make them. */
-static void mix_pixel(uint8_t out[3], const pc_picture *picture, int x, int y) {
-    static const unsigned weight[][6] = {{3}, {1, 3, 3, 1}, {1, 3, 3, 3, 1}, {1, 3, 3, 3, 3, 1}};
-    int s = picture->samples, rim = s > 1, n = s + 2 * rim;
-    const unsigned *w = weight[s - 1];
-    unsigned side = (unsigned)(3 * s + 2 * rim), total = side * side;
-    uint64_t sum = 0;
-    for (int j = 0; j < n; j++) {
-        const pc_color *row =
-            picture->color + (size_t)clamp(y * s - rim + j, picture->rows) * (size_t)picture->columns;
-        uint64_t part = 0;
-        for (int i = 0; i < n; i++)
-            part += w[i] * spread(row[clamp(x * s - rim + i, picture->columns)]);
-        sum += w[j] * part;
+ * smoother than the samples inside alone could make them. Weights along a direction are 1 3 .. 3 1; they sum
+ * to at most 14, so that two channels in one number, 16 bits each, do not run into each other. */
+enum { BLOCK = 256, MOST_SAMPLES = 4 };
+
+typedef struct mixed_rows { /* BLOCK pixels wide, one sample more at both ends */
+    uint32_t red_blue[MOST_SAMPLES * BLOCK + 2], green[MOST_SAMPLES * BLOCK + 2];
+} mixed_rows;
+
+/* Weighted sums of the samples above each other: s rows inside of the pixels, and the two at their rims. */
+static inline __attribute__((always_inline)) void mix_down(mixed_rows *m, const pc_color *const *row, int s,
+                                                           int count) {
+    const uint32_t two = 0xff00ff, one = 0xff;
+    for (int x = 0; x < count; x++) {
+        uint32_t a = 0, b = 0;
+        for (int j = 1; j <= s; j++)
+            a += row[j][x] & two, b += row[j][x] >> 8 & one;
+        a *= 3, b *= 3;
+        if (s > 1) a += (row[0][x] & two) + (row[s + 1][x] & two);
+        if (s > 1) b += (row[0][x] >> 8 & one) + (row[s + 1][x] >> 8 & one);
+        m->red_blue[x + 1] = a, m->green[x + 1] = b;
     }
-    for (int k = 0; k < 3; k++)
-        out[k] = (uint8_t)(((sum >> (42 - 21 * k) & 0x1fffff) + total / 2) / total);
+}
+
+/* The same beside each other, then the mean. */
+static inline __attribute__((always_inline)) void mix_across(uint8_t *out, const mixed_rows *m, int s,
+                                                             int pixels) {
+    const uint32_t side = (uint32_t)(s > 1 ? 3 * s + 2 : 3), total = side * side;
+    for (int x = 0; x < pixels; x++) {
+        const uint32_t *two = m->red_blue + x * s, *one = m->green + x * s;
+        uint32_t a = 0, b = 0;
+        for (int i = 1; i <= s; i++)
+            a += two[i], b += one[i];
+        a *= 3, b *= 3;
+        if (s > 1) a += two[0] + two[s + 1], b += one[0] + one[s + 1];
+        out[3 * x] = (uint8_t)(((a >> 16) + total / 2) / total);
+        out[3 * x + 1] = (uint8_t)((b + total / 2) / total);
+        out[3 * x + 2] = (uint8_t)(((a & 0xffff) + total / 2) / total);
+    }
+}
+
+static inline __attribute__((always_inline)) void mix_block(uint8_t *out, const pc_picture *picture, int s,
+                                                            int x0, int y, int pixels) {
+    const pc_color *row[MOST_SAMPLES + 2];
+    mixed_rows m;
+    const int first = x0 * s, count = pixels * s;
+    for (int j = 0; j < s + 2; j++)
+        row[j] = picture->color + (size_t)clamp(y * s - 1 + j, picture->rows) * (size_t)picture->columns +
+                 (size_t)first;
+    mix_down(&m, row, s, count);
+    /* the samples beside the block, or the outermost ones again */
+    const pc_color *end[MOST_SAMPLES + 2];
+    mixed_rows rim;
+    const int beside[2] = {clamp(first - 1, picture->columns), clamp(first + count, picture->columns)};
+    for (int k = 0; k < 2; k++) {
+        for (int j = 0; j < s + 2; j++)
+            end[j] = row[j] + (beside[k] - first);
+        mix_down(&rim, end, s, 1);
+        m.red_blue[k ? count + 1 : 0] = rim.red_blue[1], m.green[k ? count + 1 : 0] = rim.green[1];
+    }
+    mix_across(out, &m, s, pixels);
+}
+
+static void mix_row(uint8_t *out, const pc_picture *picture, int y) {
+    for (int x = 0; x < picture->width; x += BLOCK) {
+        const int pixels = picture->width - x < BLOCK ? picture->width - x : BLOCK;
+        switch (picture->samples) { /* each with its own constants */
+        case 1:
+            mix_block(out + 3 * (size_t)x, picture, 1, x, y, pixels);
+            break;
+        case 2:
+            mix_block(out + 3 * (size_t)x, picture, 2, x, y, pixels);
+            break;
+        case 3:
+            mix_block(out + 3 * (size_t)x, picture, 3, x, y, pixels);
+            break;
+        default:
+            mix_block(out + 3 * (size_t)x, picture, 4, x, y, pixels);
+        }
+    }
 }
 
 pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture *picture) {
@@ -132,43 +194,58 @@ pc_status pc_picture_pixels(uint8_t **pixels, pc_context *ctx, const pc_picture 
     if (status != PC_OK) return status;
 #pragma omp parallel for schedule(static)
     for (int y = 0; y < picture->height; y++)
-        for (int x = 0; x < picture->width; x++)
-            mix_pixel(*pixels + 3 * ((size_t)y * (size_t)picture->width + (size_t)x), picture, x, y);
+        mix_row(*pixels + 3 * (size_t)y * (size_t)picture->width, picture, y);
     return PC_OK;
 }
 
 /* How much of the old pixel k lies in new pixel x, in parts of which an old pixel has `to`. */
-static int share_of(int k, int x, int from, int to) {
+static uint32_t share_of(int k, int x, int from, int to) {
     int low = k * to > x * from ? k * to : x * from;
     int high = (k + 1) * to < (x + 1) * from ? (k + 1) * to : (x + 1) * from;
-    return high - low;
+    return (uint32_t)(high - low);
 }
 
-static void shrink_pixel(uint8_t out[3], const uint8_t *pixels, const int from[2], const int to[2], int x,
-                         int y) {
-    uint64_t sum[3] = {0, 0, 0}, total = (uint64_t)from[0] * (uint64_t)from[1];
-    for (int j = y * from[1] / to[1]; j * to[1] < (y + 1) * from[1]; j++)
+/* The rows that new row y covers, summed by how much of each it covers; then the same along them. */
+static void shrink_row(uint8_t *out, uint32_t *sum, const uint8_t *pixels, const int from[2], const int to[2],
+                       int y) {
+    const double part = 1 / ((double)from[0] * (double)from[1]);
+    const size_t width = 3 * (size_t)from[0];
+    memset(sum, 0, width * sizeof(*sum));
+    for (int j = y * from[1] / to[1]; j * to[1] < (y + 1) * from[1]; j++) {
+        const uint8_t *row = pixels + (size_t)j * width;
+        const uint32_t weight = share_of(j, y, from[1], to[1]);
+        for (size_t i = 0; i < width; i++)
+            sum[i] += weight * row[i];
+    }
+    for (int x = 0; x < to[0]; x++) {
+        uint64_t all[3] = {0, 0, 0};
         for (int i = x * from[0] / to[0]; i * to[0] < (x + 1) * from[0]; i++) {
-            uint64_t weight =
-                (uint64_t)share_of(i, x, from[0], to[0]) * (uint64_t)share_of(j, y, from[1], to[1]);
-            const uint8_t *pixel = pixels + 3 * ((size_t)j * (size_t)from[0] + (size_t)i);
+            const uint64_t weight = share_of(i, x, from[0], to[0]);
             for (int k = 0; k < 3; k++)
-                sum[k] += weight * pixel[k];
+                all[k] += weight * sum[3 * i + k];
         }
-    for (int k = 0; k < 3; k++)
-        out[k] = (uint8_t)((sum[k] + total / 2) / total);
+        for (int k = 0; k < 3; k++)
+            out[3 * x + k] = (uint8_t)((double)all[k] * part + 0.5);
+    }
 }
 
 pc_status pc_picture_shrink(uint8_t **shrunk, pc_context *ctx, const uint8_t *pixels, int width, int height,
                             int to_width, int to_height) {
     const int from[2] = {width, height}, to[2] = {to_width, to_height};
-    pc_status status = pc_new(shrunk, ctx, 3 * (size_t)to_width * (size_t)to_height);
-    if (status != PC_OK) return status;
+    enum { BLOCKS = 32 };
+    uint32_t *sum = NULL;
+    pc_status status;
+    *shrunk = NULL;
+    PC_TRY(pc_new(&sum, ctx, (size_t)BLOCKS * 3 * (size_t)width));
+    PC_TRY(pc_new(shrunk, ctx, 3 * (size_t)to_width * (size_t)to_height));
 #pragma omp parallel for schedule(static)
-    for (int y = 0; y < to_height; y++)
-        for (int x = 0; x < to_width; x++)
-            shrink_pixel(*shrunk + 3 * ((size_t)y * (size_t)to_width + (size_t)x), pixels, from, to, x, y);
-    return PC_OK;
+    for (int block = 0; block < BLOCKS; block++)
+        for (int y = block * to_height / BLOCKS; y < (block + 1) * to_height / BLOCKS; y++)
+            shrink_row(*shrunk + 3 * (size_t)y * (size_t)to_width, sum + (size_t)block * 3 * (size_t)width,
+                       pixels, from, to, y);
+done:
+    pc_free(ctx, sum);
+    return status;
 }
 
 double pc_picture_pixel_length(const pc_picture *picture, double pixels) {

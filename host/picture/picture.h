@@ -27,6 +27,8 @@ typedef struct pc_picture {
     int columns, rows; /* samples: width*samples, height*samples */
     float *depth;      /* per sample, larger is nearer; -INFINITY where nothing is */
     pc_color *color;   /* per sample */
+    pc_index *owner;   /* per sample, and */
+    float *shade;      /* per pixel: room that surfaces draw with, made by the first one */
     int pane_count;    /* 1 or 2 */
     pc_pane pane[2];
     int legend_box[4]; /* pixels kept free for the legend; empty without one */
@@ -36,6 +38,10 @@ typedef struct pc_picture {
  * over). PC_E_USAGE on sizes outside 16..16000 pixels. */
 pc_status pc_picture_make(pc_picture *picture, pc_context *ctx, const double *position, size_t count,
                           const pc_picture_options *options);
+/* An empty picture again, with the same size and points but with or without room for a legend: cheaper than a
+ * new one. */
+void pc_picture_clear(pc_picture *picture, const double *position, size_t count,
+                      const pc_picture_options *options);
 void pc_picture_free(pc_picture *picture, pc_context *ctx);
 
 /* The finished pixels, 3 bytes (red, green, blue) each, row by row from above; free with pc_free. */

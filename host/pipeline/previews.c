@@ -79,7 +79,12 @@ pc_status pc_album_measure(pc_album *album, pc_context *ctx, const pc_held *held
 
 void pc_album_free(pc_album *album, pc_context *ctx) {
     for (int kind = 0; kind < PC_PREVIEW_COUNT; kind++)
-        pc_free(ctx, album->page[kind].png);
+        for (int k = 0; k < 2; k++) {
+            pc_album_page *page = k ? &album->full[kind] : &album->page[kind];
+            pc_free(ctx, page->pixels);
+            pc_free(ctx, page->png);
+        }
+    pc_picture_free(&album->picture, ctx);
     *album = (pc_album){0};
 }
 
@@ -151,47 +156,103 @@ static void coarsen(uint8_t *pixels, size_t count) {
 static pc_status keep_page(pc_album_page *page, pc_context *ctx, const uint8_t *pixels,
                            const pc_picture *picture, pc_preview_kind kind) {
     const int most = previews[kind].stage == PC_STAGE_SPLINE ? 900 : 720;
-    uint8_t *shrunk = NULL;
     int rows[2];
-    pc_status status = PC_OK;
     rows_used(rows, picture);
     const int width = picture->width, height = rows[1] - rows[0];
     page->width = width < most ? width : most;
     page->height = (page->width * height + width / 2) / width;
-    PC_TRY(pc_picture_shrink(&shrunk, ctx, pixels + 3 * (size_t)width * (size_t)rows[0], width, height,
-                             page->width, page->height));
-    coarsen(shrunk, 3 * (size_t)page->width * (size_t)page->height);
-    PC_TRY(pc_png_encode(&page->png, &page->size, ctx, shrunk, page->width, page->height));
-done:
-    pc_free(ctx, shrunk);
+    pc_status status = pc_picture_shrink(&page->pixels, ctx, pixels + 3 * (size_t)width * (size_t)rows[0],
+                                         width, height, page->width, page->height);
+    if (status == PC_OK) coarsen(page->pixels, 3 * (size_t)page->width * (size_t)page->height);
     return status;
 }
 
+static pc_status finish(pc_album_page *page, pc_context *ctx, const pc_picture *picture) {
+    page->width = picture->width, page->height = picture->height;
+    return pc_picture_pixels(&page->pixels, ctx, picture);
+}
+
+/* All pictures of a run are framed on the scan, so that they can be laid beside each other. */
+static bool has_legend(pc_preview_kind kind) {
+    return kind == PC_PREVIEW_CURVATURE || kind == PC_PREVIEW_ERROR;
+}
+
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options, pc_album *album) {
-    pc_picture_options with_legend = *options;
+                          const pc_picture_options *options) {
+    pc_picture_options own = *options;
     pc_picture picture;
-    uint8_t *pixels = NULL;
+    pc_album_page full = {0};
     const pc_mesh *mesh = &held->mesh.mesh;
-    /* All pictures of a run are framed on the scan, so that they can be laid beside each other. */
-    with_legend.legend = kind == PC_PREVIEW_CURVATURE || kind == PC_PREVIEW_ERROR;
-    pc_status status = pc_picture_make(&picture, ctx, mesh->position, mesh->vertex_count, &with_legend);
+    own.legend = has_legend(kind);
+    pc_status status = pc_picture_make(&picture, ctx, mesh->position, mesh->vertex_count, &own);
     if (status != PC_OK) return status;
-    PC_TRY(draw(&picture, ctx, held, kind, album));
-    PC_TRY(pc_picture_pixels(&pixels, ctx, &picture));
-    PC_TRY(pc_png_write(ctx, path, pixels, picture.width, picture.height));
-    if (album) PC_TRY(keep_page(&album->page[kind], ctx, pixels, &picture, kind));
+    PC_TRY(draw(&picture, ctx, held, kind, NULL));
+    PC_TRY(finish(&full, ctx, &picture));
+    PC_TRY(pc_png_write(ctx, path, full.pixels, full.width, full.height));
 done:
-    pc_free(ctx, pixels);
+    pc_free(ctx, full.pixels);
     pc_picture_free(&picture, ctx);
     return status;
 }
 
-pc_status pc_preview_write(pc_run *run, pc_preview_kind kind, pc_album *album) {
-    const pc_picture_options options = PC_PICTURE_DEFAULTS;
-    char *path;
-    pc_status status = pc_folder_join(&path, run->ctx, run->out, pc_preview_name(kind), ".png");
-    if (status == PC_OK) status = pc_preview_save(run->ctx, path, &run->product, kind, &options, album);
+/* An empty picture in the album, or the scan's to draw the field over. */
+static pc_status start(pc_album *album, pc_context *ctx, const pc_mesh *mesh, pc_preview_kind kind) {
+    pc_picture_options options = PC_PICTURE_DEFAULTS;
+    options.width = 1200, options.height = 900, options.legend = has_legend(kind);
+    if (!album->drawn)
+        return pc_picture_make(&album->picture, ctx, mesh->position, mesh->vertex_count, &options);
+    pc_picture_clear(&album->picture, mesh->position, mesh->vertex_count, &options);
+    return PC_OK;
+}
+
+pc_status pc_preview_draw(pc_album *album, pc_context *ctx, const pc_held *held, pc_preview_kind kind) {
+    pc_status status = PC_OK;
+    pc_album_page *full = &album->full[kind];
+    if (kind == PC_PREVIEW_FIELD && album->drawn == PC_PREVIEW_SCAN + 1) {
+        PC_TRY(pc_scene_field(&album->picture, ctx, &held->mesh.mesh, &held->field));
+    } else {
+        PC_TRY(start(album, ctx, &held->mesh.mesh, kind));
+        PC_TRY(draw(&album->picture, ctx, held, kind, album));
+    }
+    album->drawn = (int)kind + 1;
+    PC_TRY(finish(full, ctx, &album->picture));
+    PC_TRY(keep_page(&album->page[kind], ctx, full->pixels, &album->picture, kind));
+done:
+    return status;
+}
+
+static pc_status pack(pc_album_page *page, pc_context *ctx, pc_png_effort effort) {
+    if (!page->pixels) return PC_OK;
+    pc_status status =
+        pc_png_encode(&page->png, &page->size, ctx, page->pixels, page->width, page->height, effort);
+    pc_free(ctx, page->pixels);
+    page->pixels = NULL;
+    return status;
+}
+
+pc_status pc_album_write(pc_album *album, pc_run *run) {
+    enum { TASKS = 2 * PC_PREVIEW_COUNT };
+    pc_status status = PC_OK, packed[TASKS];
+    char *path = NULL;
+    pc_picture_free(&album->picture, run->ctx);
+    album->drawn = 0;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int k = 0; k < TASKS; k++)
+        packed[k] = k < PC_PREVIEW_COUNT ? pack(&album->page[k], run->ctx, PC_PNG_TIGHT)
+                                         : pack(&album->full[k - PC_PREVIEW_COUNT], run->ctx, PC_PNG_QUICK);
+    for (int k = 0; k < TASKS; k++)
+        PC_TRY(packed[k]);
+    for (int kind = 0; kind < PC_PREVIEW_COUNT; kind++) {
+        pc_album_page *full = &album->full[kind];
+        if (!full->png) continue;
+        PC_TRY(pc_folder_join(&path, run->ctx, run->out, pc_preview_name((pc_preview_kind)kind), ".png"));
+        PC_TRY(pc_png_put(run->ctx, path, full->png, full->size));
+        pc_free(run->ctx, path);
+        path = NULL;
+        pc_free(run->ctx, full->png);
+        full->png = NULL;
+    }
+done:
     pc_free(run->ctx, path);
     return status;
 }

@@ -19,16 +19,20 @@ typedef enum pc_preview_kind {
     PC_PREVIEW_COUNT
 } pc_preview_kind;
 
-/* A picture, smaller, as a PNG file in memory. */
+/* Pixels on their way to a PNG file in memory. */
 typedef struct pc_album_page {
-    uint8_t *png; /* NULL: there is none */
+    uint8_t *pixels; /* 3 bytes each; NULL where there are none any more */
+    uint8_t *png;    /* NULL: there is none (yet) */
     size_t size;
     int width, height;
 } pc_album_page;
 
 /* What the pictures of a run leave for its report. */
 typedef struct pc_album {
-    pc_album_page page[PC_PREVIEW_COUNT];
+    pc_album_page page[PC_PREVIEW_COUNT]; /* smaller, for the report */
+    pc_album_page full[PC_PREVIEW_COUNT]; /* for the files */
+    pc_picture picture;                   /* the last one drawn */
+    int drawn;                            /* its kind + 1, or 0 */
     bool has_errors;
     pc_errors errors; /* of the spline, without `distance` */
 } pc_album;
@@ -41,11 +45,14 @@ pc_status pc_album_measure(pc_album *album, pc_context *ctx, const pc_held *held
 const char *pc_preview_name(pc_preview_kind kind);
 /* The stage whose product it shows, on the mesh. */
 pc_stage_id pc_preview_stage(pc_preview_kind kind);
-/* Draws what is held. `legend` of the options is set here. A file that is there is replaced. `album` (or
- * NULL) gets what the report shows of it. */
+/* Draws what is held into a file of its own. `legend` of the options is set here. A file that is there is
+ * replaced. */
 pc_status pc_preview_save(pc_context *ctx, const char *path, const pc_held *held, pc_preview_kind kind,
-                          const pc_picture_options *options, pc_album *album);
-/* Into out/<name>.png, in the default size, and into the album. */
-pc_status pc_preview_write(pc_run *run, pc_preview_kind kind, pc_album *album);
+                          const pc_picture_options *options);
+/* Draws it into the album, in the size of a run's pictures: the field in less time right after the scan. All
+ * of one album are of one run. */
+pc_status pc_preview_draw(pc_album *album, pc_context *ctx, const pc_held *held, pc_preview_kind kind);
+/* Packs all that was drawn, with all threads, and writes out/<name>.png. The pages are there then. */
+pc_status pc_album_write(pc_album *album, pc_run *run);
 
 #endif

@@ -153,7 +153,7 @@ pc_status pc_render(pc_context *ctx, const char *from, const char *picture, int 
         PC_TRY(load_result(&held, &what, ctx, from));
     else
         PC_TRY(load_scan(&held, &what, ctx, from));
-    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options, NULL));
+    PC_TRY(pc_preview_save(ctx, picture, &held, (pc_preview_kind)what, options));
 done:
     pc_mesh_free(&held.mesh.mesh, ctx);
     pc_curvature_free(&held.curvature, ctx);

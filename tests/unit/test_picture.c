@@ -68,13 +68,17 @@ static void neighbours_leave_no_gap(void **state) {
     for (int round = 0; round < 20; round++) {
         pc_mesh mesh;
         pc_picture picture;
-        assert_ok(ctx, pc_synth_plane(&mesh, ctx, 1, 1, 9, 7));
+        pc_picture_options options = small;
+        if (round & 1)
+            options.width = 600, options.height = 800; /* triangles of more than 500 samples, too */
+        assert_ok(ctx, round & 1 ? pc_synth_plane(&mesh, ctx, 1, 1, 4, 1)
+                                 : pc_synth_plane(&mesh, ctx, 1, 1, 9, 7));
         for (size_t v = 0; v < mesh.vertex_count; v++)
             for (size_t k = 0; k < 2; k++) {
                 double *p = &mesh.position[3 * v + k];
                 if (*p > 0 && *p < 1) *p += 0.06 * (pc_random_uniform(&random) - 0.5);
             }
-        assert_ok(ctx, pc_picture_make(&picture, ctx, mesh.position, mesh.vertex_count, &small));
+        assert_ok(ctx, pc_picture_make(&picture, ctx, mesh.position, mesh.vertex_count, &options));
         assert_ok(ctx, pc_scene_scan(&picture, ctx, &mesh));
         float a[3], b[3];
         pc_camera_project(a, &picture.pane[0].camera, (pc_vec3){0, 1, 0});
@@ -86,6 +90,126 @@ static void neighbours_leave_no_gap(void **state) {
         pc_picture_free(&picture, ctx);
         pc_mesh_free(&mesh, ctx);
     }
+}
+
+static int limited(int value, int end) {
+    return value < 0 ? 0 : value < end ? value : end - 1;
+}
+
+/* A channel of a pixel, sample by sample: 3 for those inside, 1 for those around, along both directions. */
+static int mixed_channel(const pc_picture *picture, int x, int y, int channel) {
+    const int s = picture->samples, rim = s > 1, side = s > 1 ? 3 * s + 2 : 3, total = side * side;
+    int sum = 0;
+    for (int j = -rim; j < s + rim; j++)
+        for (int i = -rim; i < s + rim; i++) {
+            const int weight = (i < 0 || i >= s ? 1 : 3) * (j < 0 || j >= s ? 1 : 3);
+            const size_t row = (size_t)limited(y * s + j, picture->rows);
+            const size_t at = row * (size_t)picture->columns + (size_t)limited(x * s + i, picture->columns);
+            sum += weight * pc_color_channel(picture->color[at], channel);
+        }
+    return (sum + total / 2) / total;
+}
+
+static void pixels_are_means_of_samples(void **state) {
+    pc_context *ctx = *state;
+    pc_random random = {11};
+    for (int s = 1; s <= 4; s++) {
+        pc_picture picture;
+        uint8_t *pixels = NULL;
+        const pc_picture_options options = {.width = 530, .height = 17, .samples = s, .view = PC_VIEW_FRONT};
+        assert_ok(ctx, pc_picture_make(&picture, ctx, two_positions, 6, &options));
+        for (int i = 0; i < picture.columns * picture.rows; i++) {
+            const uint64_t value = pc_random_next(&random); /* many of them black or white: the extremes */
+            picture.color[i] = value >> 40 & 1   ? (pc_color)(value & 0xffffff)
+                               : value >> 41 & 1 ? 0xffffff
+                                                 : 0;
+        }
+        assert_ok(ctx, pc_picture_pixels(&pixels, ctx, &picture));
+        for (int y = 0; y < picture.height; y++)
+            for (int x = 0; x < picture.width; x++)
+                for (int k = 0; k < 3; k++)
+                    assert_int_equal(pixels[3 * (y * picture.width + x) + k],
+                                     mixed_channel(&picture, x, y, k));
+        pc_free(ctx, pixels);
+        pc_picture_free(&picture, ctx);
+    }
+}
+
+static void shrunk_pixels_keep_the_mean(void **state) {
+    pc_context *ctx = *state;
+    enum { WIDTH = 120, HEIGHT = 90, LESS = 73, LOW = 41 };
+    static uint8_t pixels[3 * WIDTH * HEIGHT];
+    pc_random random = {5};
+    uint8_t *shrunk = NULL;
+    double before = 0, after = 0;
+    for (size_t i = 0; i < sizeof(pixels); i++)
+        before += pixels[i] = (uint8_t)pc_random_next(&random);
+    assert_ok(ctx, pc_picture_shrink(&shrunk, ctx, pixels, WIDTH, HEIGHT, LESS, LOW));
+    for (size_t i = 0; i < 3 * LESS * LOW; i++)
+        after += shrunk[i];
+    assert_true(fabs(before / (WIDTH * HEIGHT) - after / (LESS * LOW)) < 0.1);
+    pc_free(ctx, shrunk);
+    memset(pixels, 255, sizeof(pixels));
+    assert_ok(ctx, pc_picture_shrink(&shrunk, ctx, pixels, WIDTH, HEIGHT, LESS, LOW));
+    for (size_t i = 0; i < 3 * LESS * LOW; i++)
+        assert_int_equal(shrunk[i], 255);
+    pc_free(ctx, shrunk);
+}
+
+/* Two faces side by side: pixels that both cover show the mean of their colors, however the light is shared.
+ */
+static void faces_keep_their_colors_within_a_pixel(void **state) {
+    pc_context *ctx = *state;
+    const double position[12] = {0, 0, 0, 2.013, 0, 0, 2.013, 3, 0, 0, 3, 0};
+    const double both[18] = {0, 0, 0, 4, 0, 0, 0, 3, 0, 4, 3, 0, 2.013, 0, 0, 2.013, 3, 0};
+    const pc_index faces[12] = {0, 4, 2, 4, 5, 2, 4, 1, 5, 1, 3, 5};
+    const pc_color color[4] = {0xff0000, 0xff0000, 0x0000ff, 0x0000ff};
+    pc_picture picture;
+    uint8_t *pixels = NULL;
+    assert_ok(ctx, pc_picture_make(&picture, ctx, both, 6, &small));
+    pc_surface s = pc_surface_of(both, 6, faces, 4);
+    s.face_color = color;
+    assert_ok(ctx, pc_surface_draw(&picture, ctx, &s));
+    for (int y = 0; y < picture.rows; y++)
+        for (int x = 0; x < picture.columns; x++) {
+            const size_t at = (size_t)y * (size_t)picture.columns + (size_t)x;
+            if (!isfinite(picture.depth[at])) continue;
+            const pc_color c = picture.color[at];
+            const int red = pc_color_channel(c, 0), blue = pc_color_channel(c, 2);
+            assert_true(red > blue + 100 || blue > red + 100); /* no sample has a mixture */
+            const double column = picture.pane[0].camera.column;
+            const double edge = column + picture.pane[0].camera.scale * (position[3] - 2);
+            if (fabs(x + 0.5 - edge) > 0.01) assert_int_equal(red > blue, x + 0.5 < edge);
+        }
+    assert_ok(ctx, pc_picture_pixels(&pixels, ctx, &picture));
+    pc_free(ctx, pixels);
+    pc_picture_free(&picture, ctx);
+}
+
+/* What was drawn before leaves no trace. */
+static void cleared_pictures_are_as_new(void **state) {
+    pc_context *ctx = *state;
+    pc_mesh mesh;
+    pc_picture one, other;
+    uint8_t *pixels[2];
+    assert_ok(ctx, pc_synth_torus(&mesh, ctx, 2, 0.7, 60, 20));
+    pc_picture_options options = small;
+    options.width = 601, options.view = PC_VIEW_PAIR, options.legend = 1;
+    assert_ok(ctx, pc_picture_make(&one, ctx, mesh.position, mesh.vertex_count, &options));
+    assert_ok(ctx, pc_scene_scan(&one, ctx, &mesh));
+    options.legend = 0;
+    pc_picture_clear(&one, mesh.position, mesh.vertex_count, &options);
+    assert_ok(ctx, pc_picture_make(&other, ctx, mesh.position, mesh.vertex_count, &options));
+    for (int k = 0; k < 2; k++) {
+        assert_ok(ctx, pc_scene_scan(k ? &other : &one, ctx, &mesh));
+        assert_ok(ctx, pc_picture_pixels(&pixels[k], ctx, k ? &other : &one));
+    }
+    assert_memory_equal(pixels[0], pixels[1], 3 * 601 * 120);
+    for (int k = 0; k < 2; k++)
+        pc_free(ctx, pixels[k]);
+    pc_picture_free(&one, ctx);
+    pc_picture_free(&other, ctx);
+    pc_mesh_free(&mesh, ctx);
 }
 
 static void line_behind_a_surface_is_hidden(void **state) {
@@ -422,6 +546,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nearer_triangle_hides_the_other, make_context, free_context),
         cmocka_unit_test_setup_teardown(neighbours_leave_no_gap, make_context, free_context),
+        cmocka_unit_test_setup_teardown(pixels_are_means_of_samples, make_context, free_context),
+        cmocka_unit_test_setup_teardown(shrunk_pixels_keep_the_mean, make_context, free_context),
+        cmocka_unit_test_setup_teardown(faces_keep_their_colors_within_a_pixel, make_context, free_context),
+        cmocka_unit_test_setup_teardown(cleared_pictures_are_as_new, make_context, free_context),
         cmocka_unit_test_setup_teardown(line_behind_a_surface_is_hidden, make_context, free_context),
         cmocka_unit_test_setup_teardown(line_on_a_surface_is_whole, make_context, free_context),
         cmocka_unit_test_setup_teardown(views_look_where_they_say, make_context, free_context),
