@@ -19,7 +19,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/percaleConfig.cmake ${CMAKE_CURRENT_BI
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/percale)
 
 # For programs that do not use CMake. The libraries are those that this build found.
-set(pc_libraries ${OpenCL_LIBRARIES} ${ZLIB_LIBRARIES} ${HDF5_LIBRARIES} ${METIS_LIBRARY} ${DEFLATE_LIBRARY})
+set(pc_libraries ${OpenCL_LIBRARIES} ${PNG_LIBRARIES} ${ZLIB_LIBRARIES} ${HDF5_LIBRARIES} ${METIS_LIBRARY} ${DEFLATE_LIBRARY})
 list(REMOVE_DUPLICATES pc_libraries)
 list(JOIN pc_libraries " " PC_LIBRARIES)
 file(RELATIVE_PATH PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)

@@ -6,8 +6,8 @@
 set -euo pipefail
 
 build=(gcc cmake ninja-build pkg-config ocl-icd-opencl-dev opencl-c-headers pocl-opencl-icd libhdf5-dev libmetis-dev
-       zlib1g-dev libdeflate-dev scdoc)
-test=(g++ libcmocka-dev libpng-dev clang clang-format clang-tidy libclang-rt-dev libomp-dev hdf5-tools git
+       libpng-dev zlib1g-dev libdeflate-dev scdoc)
+test=(g++ libcmocka-dev clang clang-format clang-tidy libclang-rt-dev libomp-dev hdf5-tools git
       python3 python3-numpy python3-h5py python3-vtk9 python3-gmsh)
 demo=(libcgal-demo)
 

@@ -221,10 +221,9 @@ done:
     return status;
 }
 
-static pc_status pack(pc_album_page *page, pc_context *ctx, pc_png_effort effort) {
+static pc_status pack(pc_album_page *page, pc_context *ctx) {
     if (!page->pixels) return PC_OK;
-    pc_status status =
-        pc_png_encode(&page->png, &page->size, ctx, page->pixels, page->width, page->height, effort);
+    pc_status status = pc_png_encode(&page->png, &page->size, ctx, page->pixels, page->width, page->height);
     pc_free(ctx, page->pixels);
     page->pixels = NULL;
     return status;
@@ -238,8 +237,8 @@ pc_status pc_album_write(pc_album *album, pc_run *run) {
     album->drawn = 0;
 #pragma omp parallel for schedule(dynamic, 1)
     for (int k = 0; k < TASKS; k++)
-        packed[k] = k < PC_PREVIEW_COUNT ? pack(&album->page[k], run->ctx, PC_PNG_TIGHT)
-                                         : pack(&album->full[k - PC_PREVIEW_COUNT], run->ctx, PC_PNG_QUICK);
+        packed[k] =
+            pack(k < PC_PREVIEW_COUNT ? &album->page[k] : &album->full[k - PC_PREVIEW_COUNT], run->ctx);
     for (int k = 0; k < TASKS; k++)
         PC_TRY(packed[k]);
     for (int kind = 0; kind < PC_PREVIEW_COUNT; kind++) {

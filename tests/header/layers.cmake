@@ -17,7 +17,7 @@ foreach(file ${all})
 endforeach()
 
 # library header -> the one layer that may include it
-set(foreign "CL/cl" host/device "hdf5" io "metis" partition "zlib" io "libdeflate" io)
+set(foreign "CL/cl" host/device "hdf5" io "metis" partition "png" io "zlib" io "libdeflate" io)
 
 set(visible "")
 foreach(layer ${layers})
