@@ -86,32 +86,73 @@ static pc_index find_gaps(bridging *b, double detour) {
     return b->gaps;
 }
 
-/* The mean of the points around v, near neighbours on the scan weighing more. */
-static pc_vec3 mean_around(const bridging *b, pc_index v) {
+/* What the loose vertices are means of: near neighbours on the scan weigh more. */
+typedef struct membrane {
+    size_t *start; /* per loose vertex, and the end */
+    pc_index *around;
+    double *weight, *share; /* per neighbour; per loose vertex, 1 / the sum of its weights */
+} membrane;
+
+static void free_membrane(membrane *m, pc_context *ctx) {
+    pc_free(ctx, m->start);
+    pc_free(ctx, m->around);
+    pc_free(ctx, m->weight);
+    pc_free(ctx, m->share);
+}
+
+static pc_status make_membrane(membrane *m, pc_context *ctx, const bridging *b) {
+    pc_status status = PC_OK;
     const pc_mesh *mesh = b->target->mesh;
-    pc_vec3 sum = {0, 0, 0}, x = pc_vec3_at(mesh->position, v);
-    double total = 0;
-    pc_index first = b->target->adjacency->vertex_half[v], h = first;
-    do {
-        const pc_index w = mesh->triangle[pc_next(h)];
-        const double weight = 1 / fmax(pc_distance(x, pc_vec3_at(mesh->position, w)), 1e-300);
-        sum = pc_madd(sum, weight, pc_vec3_at(b->flat->position, w));
-        total += weight;
-        h = pc_turn_ccw(b->target->adjacency, h);
-    } while (h != first && h != PC_NONE);
-    return pc_scale(1 / total, sum);
+    const pc_adjacency *adjacency = b->target->adjacency;
+    size_t count = 0;
+    *m = (membrane){0};
+    PC_TRY(pc_new(&m->start, ctx, (size_t)b->loose_count + 1));
+    PC_TRY(pc_new(&m->share, ctx, b->loose_count));
+    for (pc_index i = 0; i < b->loose_count; i++) {
+        const pc_index first = adjacency->vertex_half[b->loose[i]];
+        pc_index h = first;
+        do {
+            count++;
+            h = pc_turn_ccw(adjacency, h);
+        } while (h != first);
+        m->start[i + 1] = count;
+    }
+    PC_TRY(pc_new(&m->around, ctx, count));
+    PC_TRY(pc_new(&m->weight, ctx, count));
+    for (pc_index i = 0; i < b->loose_count; i++) {
+        const pc_vec3 x = pc_vec3_at(mesh->position, b->loose[i]);
+        pc_index h = adjacency->vertex_half[b->loose[i]];
+        double total = 0;
+        for (size_t k = m->start[i]; k < m->start[i + 1]; k++, h = pc_turn_ccw(adjacency, h)) {
+            m->around[k] = pc_head(mesh, h);
+            m->weight[k] = 1 / fmax(pc_distance(x, pc_vec3_at(mesh->position, m->around[k])), 1e-300);
+            total += m->weight[k];
+        }
+        m->share[i] = 1 / total;
+    }
+done:
+    return status;
 }
 
 /* Loose vertices sink to the means of those around them, as a membrane through the others. */
-static void stretch_membrane(bridging *b) {
+static pc_status stretch_membrane(bridging *b, pc_context *ctx) {
     enum { SWEEPS = 200 };
     const double beyond = 1.6;
+    pc_status status = PC_OK;
+    membrane m;
+    PC_TRY(make_membrane(&m, ctx, b));
     for (int sweep = 0; sweep < SWEEPS; sweep++)
-        for (pc_index i = 0; i < b->loose_count; i++) {
-            const pc_index v = b->loose[sweep % 2 ? b->loose_count - 1 - i : i];
+        for (pc_index k = 0; k < b->loose_count; k++) {
+            const pc_index i = sweep % 2 ? b->loose_count - 1 - k : k, v = b->loose[i];
             const pc_vec3 q = pc_vec3_at(b->flat->position, v);
-            pc_vec3_put(b->flat->position, v, pc_madd(q, beyond, pc_sub(mean_around(b, v), q)));
+            pc_vec3 sum = {0, 0, 0};
+            for (size_t e = m.start[i]; e < m.start[i + 1]; e++)
+                sum = pc_madd(sum, m.weight[e], pc_vec3_at(b->flat->position, m.around[e]));
+            pc_vec3_put(b->flat->position, v, pc_madd(q, beyond, pc_sub(pc_scale(m.share[i], sum), q)));
         }
+done:
+    free_membrane(&m, ctx);
+    return status;
 }
 
 static void find_stale(bridging *b) {
@@ -166,7 +207,7 @@ pc_status pc_bridge_make(pc_mesh *flat, pc_footpoints *feet, pc_context *ctx, co
     for (int attempt = 0;; attempt++) {
         pc_footpoints_land(feet, spline, flat, target->adjacency, b.at, attempt ? b.is_stale : NULL);
         if (attempt == TRIES || !find_gaps(&b, 0.25 + 0.25 * attempt)) break;
-        stretch_membrane(&b);
+        PC_TRY(stretch_membrane(&b, ctx));
         find_stale(&b);
     }
     pc_log(ctx, PC_LOG_DEBUG, "spline: %u vertices of the scan drawn flat", b.loose_count);
