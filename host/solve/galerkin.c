@@ -531,6 +531,7 @@ done:
 void pc_galerkin_invert_diagonal(pc_blockmat *matrix) {
     const size_t n = matrix->row_count * (size_t)pc_form_diagonal(matrix->form);
     if (!matrix->inverse) return;
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
     for (size_t i = 0; i < n; i++)
         matrix->inverse[i] = 1 / matrix->diagonal[i];
 }
