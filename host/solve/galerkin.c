@@ -147,48 +147,53 @@ PC_ALWAYS_INLINE void clear_row(pc_block_form form, row *r, size_t keys) {
     r->base = 1;
 }
 
-PC_ALWAYS_INLINE void put_entry(pc_block_form form, chunk *c, const row *r, pc_index k) {
+PC_ALWAYS_INLINE void put_entry(pc_block_form form, pc_index *key, float *value, const row *r, pc_index k) {
     const size_t size = (size_t)pc_form_size(form);
-    c->key[c->count] = r->list[k];
+    *key = r->list[k];
     for (size_t u = 0; u < size; u++)
-        c->value[size * c->count + u] = (float)r->sum[size * k + u];
-    c->count++;
+        value[u] = (float)r->sum[size * k + u];
 }
 
 /* Copies the row to the chunk. */
 PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, chunk *c, const product *p, pc_index i) {
+    const size_t size = (size_t)pc_form_size(form);
+    const size_t at = c->count;
     for (pc_index k = 0; k < r->count; k++)
-        put_entry(form, c, r, k);
+        put_entry(form, c->key + at + k, c->value + size * (at + k), r, k);
     p->length[i] = r->count;
+    c->count = at + r->count;
 }
 
 /* Copies `count` sorted entries to the chunk, the diagonal apart. */
-PC_ALWAYS_INLINE void put_upper_row(pc_block_form form, const row *r, worker *w, pc_index count,
+PC_ALWAYS_INLINE void put_upper_row(pc_block_form form, const row *r, const worker *w, pc_index count,
                                     const product *p, pc_index i) {
     const size_t size = (size_t)pc_form_size(form);
     const size_t per_row = (size_t)pc_form_diagonal(form);
-    const size_t before = w->last->count;
+    chunk *c = w->last;
+    size_t e = c->count;
     for (pc_index n = 0; n < count; n++) {
         const pc_index k = (pc_index)w->sorted[n];
+        const pc_index column = column_of(form, r->list[k]);
         if (r->list[k] != key_of(form, i, 0)) {
-            const pc_index column = column_of(form, r->list[k]);
+            put_entry(form, c->key + e, c->value + size * e, r, k);
             w->below[column] += column > i;
-            put_entry(form, w->last, r, k);
+            e++;
             continue;
         }
         for (size_t u = 0; u < per_row; u++)
             p->diagonal[per_row * i + u] = r->sum[size * k + 2 * u];
     }
-    p->length[i] = (pc_index)(w->last->count - before);
+    p->length[i] = (pc_index)(e - c->count);
+    c->count = e;
 }
 
 /* The row's keys from `least` on in ascending order; how many they are. */
-static pc_index sort_keys(uint64_t *sorted, const row *r, pc_index least) {
+static pc_index sort_keys(uint64_t *sorted, const pc_index *list, pc_index keys, pc_index least) {
     static const pc_index gaps[] = {1750, 701, 301, 132, 57, 23, 10, 4, 1};
     pc_index count = 0;
-    for (pc_index k = 0; k < r->count; k++) {
-        sorted[count] = (uint64_t)r->list[k] << 32 | k;
-        count += r->list[k] >= least;
+    for (pc_index k = 0; k < keys; k++) {
+        sorted[count] = (uint64_t)list[k] << 32 | k;
+        count += list[k] >= least;
     }
     for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++) {
         const pc_index gap = gaps[g];
@@ -203,62 +208,85 @@ static pc_index sort_keys(uint64_t *sorted, const row *r, pc_index least) {
     return count;
 }
 
-/* inner += v * row j of the square matrix a, but for what adds nothing to columns from i on */
-PC_ALWAYS_INLINE void add_inner(pc_block_form form, row *inner, const pc_blockmat *a, const pc_index *reach,
-                                const pc_blockval *v, pc_index j, pc_index i) {
-    pc_blockval factor;
-    if (reach[j] > i) {
-        load_diagonal(form, &factor, a, j);
-        pc_blockval_add_product(form, sum_at(form, inner, key_of(form, j, v->turn)), v, factor.v);
-    }
+/* inner += v * row j of the square matrix a, whose exact numbers come without their scale */
+PC_ALWAYS_INLINE void add_inner(pc_block_form form, bool exact, row *inner, const pc_blockmat *a,
+                                const pc_blockval *v, pc_index j) {
+    const size_t size = (size_t)pc_form_size(form);
+    const size_t per_row = (size_t)pc_form_diagonal(form);
+    double factor[4];
+    for (size_t u = 0; u < size; u++)
+        factor[u] = (u & 1) ? 0 : exact ? a->exact_diagonal[j] : (double)a->diagonal[per_row * j + u / 2];
+    pc_blockval_add_product(form, sum_at(form, inner, key_of(form, j, v->turn)), v, factor);
     const size_t end = a->start[j + 1];
     for (size_t e = a->start[j]; e < end; e++) {
-        if (reach[a->column[e]] <= i) continue;
-        pc_blockval_load(form, &factor, a, e);
-        double *sum = sum_at(form, inner, key_of(form, a->column[e], (v->turn + factor.turn) & 3));
-        pc_blockval_add_product(form, sum, v, factor.v);
+        for (size_t u = 0; u < size; u++)
+            factor[u] = exact ? a->exact[size * e + u] : (double)a->value[size * e + u];
+        const int turn = form == PC_FORM_TURNED ? (v->turn + a->turn[e]) & 3 : 0;
+        pc_blockval_add_product(form, sum_at(form, inner, key_of(form, a->column[e], turn)), v, factor);
     }
 }
 
 /* row = row i of A middle B, from column i on; what it has before that is not complete */
-PC_ALWAYS_INLINE void add_coarse_row(pc_block_form form, row *r, row *inner, const product *p, pc_index i) {
+PC_ALWAYS_INLINE void add_coarse_row(pc_block_form form, bool exact, row *r, row *inner, const product *p,
+                                     pc_index i) {
     const size_t size = (size_t)pc_form_size(form);
+    const double scale = exact ? p->middle->exact_scale : 1; /* a power of two */
     pc_blockval v;
     for (size_t e = p->a->start[i]; e < p->a->start[i + 1]; e++) {
         pc_blockval_load(form, &v, p->a, e);
-        add_inner(form, inner, p->middle, p->reach, &v, p->a->column[e], i);
+        for (size_t u = 0; u < size; u++)
+            v.v[u] *= scale;
+        add_inner(form, exact, inner, p->middle, &v, p->a->column[e]);
     }
     for (pc_index k = 0; k < inner->count; k++) {
         const pc_index key = inner->list[k];
+        if (p->reach[column_of(form, key)] <= i) continue;
         memcpy(v.v, inner->sum + size * k, size * sizeof *v.v);
         v.turn = form == PC_FORM_TURNED ? (int)(key & 3) : 0;
         add_row(form, r, p->b, &v, column_of(form, key));
     }
 }
 
-PC_ALWAYS_INLINE void fill_rows(pc_block_form form, worker *w, pc_context *ctx, const product *p,
-                                pc_index from, pc_index to) {
+static bool has_room(worker *w, pc_context *ctx, size_t size, pc_index i, pc_index count) {
+    return (w->last && w->last->count + count <= w->last->room) || next_chunk(w, ctx, size, i, count);
+}
+
+PC_ALWAYS_INLINE void fill_smooth(pc_block_form form, worker *w, pc_context *ctx, const product *p,
+                                  pc_index from, pc_index to) {
     row r = w->space;
-    row inner = w->inner;
     for (pc_index i = from; i < to; i++) {
-        pc_index upper = 0;
-        if (p->middle) {
-            add_coarse_row(form, &r, &inner, p, i);
-            clear_row(form, &inner, key_count(form, p->middle));
-            upper = sort_keys(w->sorted, &r, key_of(form, i, 0));
-        } else if (p->b->start[i] < p->b->start[i + 1]) {
+        if (p->b->start[i] < p->b->start[i + 1]) {
             add_square_row(form, &r, p->a, p->b, i);
             smooth_row(form, &r, p, i);
         }
-        if ((!w->last || w->last->count + r.count > w->last->room) &&
-            !next_chunk(w, ctx, (size_t)pc_form_size(form), i, r.count))
-            break;
-        if (p->middle)
-            put_upper_row(form, &r, w, upper, p, i);
-        else
-            put_row(form, &r, w->last, p, i);
+        if (!has_room(w, ctx, (size_t)pc_form_size(form), i, r.count)) break;
+        put_row(form, &r, w->last, p, i);
         clear_row(form, &r, key_count(form, p->b));
     }
+}
+
+PC_ALWAYS_INLINE void fill_coarse(pc_block_form form, bool exact, worker *w, pc_context *ctx,
+                                  const product *p, pc_index from, pc_index to) {
+    row r = w->space;
+    row inner = w->inner;
+    for (pc_index i = from; i < to; i++) {
+        add_coarse_row(form, exact, &r, &inner, p, i);
+        clear_row(form, &inner, key_count(form, p->middle));
+        const pc_index upper = sort_keys(w->sorted, r.list, r.count, key_of(form, i, 0));
+        if (!has_room(w, ctx, (size_t)pc_form_size(form), i, upper)) break;
+        put_upper_row(form, &r, w, upper, p, i);
+        clear_row(form, &r, key_count(form, p->b));
+    }
+}
+
+PC_ALWAYS_INLINE void fill_rows(pc_block_form form, worker *w, pc_context *ctx, const product *p,
+                                pc_index from, pc_index to) {
+    if (!p->middle)
+        fill_smooth(form, w, ctx, p, from, to);
+    else if (p->middle->exact)
+        fill_coarse(form, true, w, ctx, p, from, to);
+    else
+        fill_coarse(form, false, w, ctx, p, from, to);
 }
 
 /* Rows are cut into equal runs, one for each thread: where run t starts. */
@@ -361,21 +389,26 @@ static void lay_out(pc_index *start, worker *workers, const product *p, int thre
     start[p->a->row_count] = at;
 }
 
+/* Entries of a chunk from `at` on to their place. */
+static void keep_entries(const pc_blockmat *c, size_t place, const chunk *from, size_t at, size_t count) {
+    const size_t size = (size_t)pc_form_size(c->form);
+    for (size_t k = 0; k < count; k++)
+        c->column[place + k] = column_of(c->form, from->key[at + k]);
+    for (size_t k = 0; c->turn && k < count; k++)
+        c->turn[place + k] = (uint8_t)(from->key[at + k] % 4);
+    memcpy(c->value + size * place, from->value + size * at, size * count * sizeof *from->value);
+}
+
 /* The chunks of a thread, whose rows end at `to`, to their places. */
 static void keep_chunks(pc_context *ctx, worker *w, const product *p, pc_index to) {
-    pc_blockmat *c = p->c;
-    const size_t size = (size_t)pc_form_size(c->form);
+    const pc_blockmat *c = p->c;
     while (w->head) {
         chunk *from = w->head;
         const pc_index end = from->next ? from->next->first : to;
         size_t at = 0;
-        for (pc_index i = from->first; i < end; i++) {
-            const size_t place = c->start[i + 1] - p->length[i];
-            for (pc_index k = 0; k < p->length[i]; k++)
-                c->column[place + k] = column_of(c->form, from->key[at + k]);
-            for (pc_index k = 0; c->turn && k < p->length[i]; k++)
-                c->turn[place + k] = (uint8_t)(from->key[at + k] % 4);
-            memcpy(c->value + size * place, from->value + size * at, size * p->length[i] * sizeof(float));
+        if (!p->middle) keep_entries(c, c->start[from->first], from, 0, from->count);
+        for (pc_index i = from->first; p->middle && i < end; i++) {
+            keep_entries(c, c->start[i + 1] - p->length[i], from, at, p->length[i]);
             at += p->length[i];
         }
         w->head = from->next;
