@@ -195,6 +195,7 @@ static void group_rows(pc_aggregates *g, const pc_blockmat *a, const float *size
         joined[i] = PC_NONE;
         if (eligible[i] && g->of[i] == PC_NONE) joined[i] = strongest(a, size, g->of, i);
     }
+#pragma omp parallel for schedule(static)
     for (pc_index i = 0; i < a->row_count; i++) {
         if (joined[i] != PC_NONE) take_row(g, i, g->of[joined[i]], joined[i]);
     }
@@ -210,15 +211,14 @@ static void list_members(pc_aggregates *g) {
     }
     for (pc_index group = 0; group < g->count; group++)
         g->start[group + 1] += g->start[group];
+    const pc_index total = g->start[g->count];
     for (pc_index i = g->row_count; i-- > 0;) {
         if (g->of[i] != PC_NONE) g->member[--g->start[g->of[i] + 1]] = i;
     }
     /* Each offset has moved from its group's end to its start, one place too far right. */
     for (pc_index group = 0; group < g->count; group++)
         g->start[group] = g->start[group + 1];
-    g->start[g->count] = 0;
-    for (pc_index i = 0; i < g->row_count; i++)
-        g->start[g->count] += g->of[i] != PC_NONE;
+    g->start[g->count] = total;
 }
 
 pc_status pc_aggregates_list(pc_aggregates *aggregates, pc_context *ctx) {
@@ -401,16 +401,16 @@ pc_status pc_aggregates_transport(pc_blockmat *tentative, pc_context *ctx, const
 #undef GROUP
     PC_TRY(pc_blockmat_make(tentative, ctx, form, matrix->row_count, aggregates->count,
                             aggregates->start[aggregates->count], false));
-    pc_index e = 0;
+    for (pc_index i = 0; i < matrix->row_count; i++)
+        tentative->start[i + 1] = tentative->start[i] + (aggregates->of[i] != PC_NONE);
+#pragma omp parallel for schedule(static)
     for (pc_index i = 0; i < matrix->row_count; i++) {
-        tentative->start[i] = e;
+        const size_t e = tentative->start[i];
         if (aggregates->of[i] == PC_NONE) continue;
         tentative->column[e] = aggregates->of[i];
         if (tentative->turn) tentative->turn[e] = f.turn[i];
         memcpy(tentative->value + size * e, f.value + size * i, size * sizeof(float));
-        e++;
     }
-    tentative->start[matrix->row_count] = e;
 done:
     pc_free(ctx, f.value);
     pc_free(ctx, f.turn);

@@ -15,6 +15,7 @@ pc_status pc_row_order_make(pc_row_order *order, pc_context *ctx, const pc_block
     *order = (pc_row_order){.count = n};
     PC_TRY(pc_new(&order->row, ctx, n));
     PC_TRY(pc_new(&order->place, ctx, n));
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
     for (pc_index window = 0; window < n; window += WINDOW) {
         /* Counting sort by length, longest first; equal rows keep their order. */
         pc_index end = n - window < WINDOW ? n : window + WINDOW;
@@ -50,6 +51,7 @@ typedef struct copying {
     const pc_row_order *columns;
     pc_index slice_rows;
     pc_storage storage;
+    pc_index *longest; /* row per slice */
 } copying;
 
 static pc_index row_length(const copying *c, pc_index place) {
@@ -58,13 +60,16 @@ static pc_index row_length(const copying *c, pc_index place) {
     return c->matrix->start[row + 1] - c->matrix->start[row];
 }
 
-static pc_index slice_length(const copying *c, pc_index slice) {
-    pc_index longest = 0;
-    for (pc_index lane = 0; lane < c->slice_rows; lane++) {
-        pc_index length = row_length(c, slice * c->slice_rows + lane);
-        if (length > longest) longest = length;
+static void find_longest(const copying *c, pc_index slices) {
+#pragma omp parallel for schedule(static) if (slices > PC_PARALLEL_ROWS)
+    for (pc_index slice = 0; slice < slices; slice++) {
+        pc_index longest = 0;
+        for (pc_index lane = 0; lane < c->slice_rows; lane++) {
+            const pc_index length = row_length(c, slice * c->slice_rows + lane);
+            if (length > longest) longest = length;
+        }
+        c->longest[slice] = longest;
     }
-    return longest;
 }
 
 /* Arrays of one part, where the device is to find them. */
@@ -125,8 +130,9 @@ PC_ALWAYS_INLINE void stage_number(manner how, const staged *s, size_t at, doubl
     if (half) s->last[at] = (uint16_t)(units & 0xffff);
 }
 
+/* But for the scale of exact ones. */
 PC_ALWAYS_INLINE double number_of(manner how, const pc_blockmat *m, size_t at) {
-    return how.exact ? m->exact[at] * m->exact_scale : (double)m->value[at];
+    return how.exact ? m->exact[at] : (double)m->value[at];
 }
 
 /* 2^power, |power| < 1023 */
@@ -145,8 +151,8 @@ PC_ALWAYS_INLINE uint64_t size_bits(manner how, const pc_blockmat *m, size_t at)
     return bits & ~((uint64_t)1 << 63);
 }
 
-/* One over the unit of a row's numbers, whose exponent goes to the device: the least power of two above them
- * all. */
+/* What the stored numbers of a row are to be multiplied by: one over their unit, whose exponent goes to the
+ * device: the least power of two above them all. */
 PC_ALWAYS_INLINE double unit_of_row(manner how, const pc_blockmat *m, uint8_t *exponent, size_t from,
                                     pc_index entries) {
     const size_t size = (size_t)pc_form_size(how.form);
@@ -161,7 +167,8 @@ PC_ALWAYS_INLINE double unit_of_row(manner how, const pc_blockmat *m, uint8_t *e
     int power = !how.exact ? (int)(largest >> 23) - 126 : (int)(largest >> 52) - 1022 + scale_power;
     power = largest == 0 ? 0 : power < -125 ? -125 : power > 126 ? 126 : power;
     *exponent = (uint8_t)(power + 127);
-    return how.storage == PC_STORE_DOUBLE ? 1 / m->exact_scale : power_of_two(-power);
+    if (how.storage == PC_STORE_DOUBLE) return 1;
+    return how.exact ? power_of_two(-power) * m->exact_scale : power_of_two(-power);
 }
 
 /* Entry e of the matrix into its lane of entry `to` of a slice; padding reads what its row reads anyway. */
@@ -264,7 +271,7 @@ static pc_status upload_starts(pc_devmat_part *part, pc_context *ctx, pc_device 
 #pragma omp parallel for schedule(static) reduction(max : widest) if (slices > PC_PARALLEL_ROWS)
     for (pc_index k = 0; k < slices; k++) {
         pc_index reach;
-        s->start[k + 1] = slice_length(c, part->first + k);
+        s->start[k + 1] = c->longest[part->first + k];
         slice_columns(&least[k], &reach, c, part->first + k);
         if (reach > widest) widest = reach;
     }
@@ -338,7 +345,7 @@ static int cut_parts(pc_devmat_part *part, const copying *c, pc_index slices, si
         pc_index end = slices - step < wide ? slices : step + wide;
         size_t entries = 0;
         for (pc_index s = step; s < end; s++)
-            entries += slice_length(c, s);
+            entries += c->longest[s];
         const bool late = reads_copies(c, step, end);
         if (now.slices > 0 && ((now.entries + entries) * bytes > cap || late != now.late)) {
             if (part) part[count] = now;
@@ -372,7 +379,7 @@ done:
 pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, const pc_blockmat *matrix,
                          const pc_row_order *rows, const pc_row_order *columns, pc_storage storage) {
     pc_status status = PC_OK;
-    copying c = {matrix, rows, columns, pc_devmat_slice_rows(device), storage};
+    copying c = {matrix, rows, columns, pc_devmat_slice_rows(device), storage, NULL};
     size_t cap = pc_device_allocation_cap(device);
     if (cap > largest_part) cap = largest_part;
     *out = (pc_devmat){
@@ -380,6 +387,8 @@ pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, con
     out->slice_count = (rows->count + c.slice_rows - 1) / c.slice_rows;
     if (storage == PC_STORE_DOUBLE && !matrix->exact)
         return pc_fail(ctx, PC_E_BUG, "a matrix without doubles was to be stored in doubles");
+    PC_TRY(pc_resize(&c.longest, ctx, out->slice_count));
+    find_longest(&c, out->slice_count);
     int count = cut_parts(NULL, &c, out->slice_count, cap);
     PC_TRY(pc_new(&out->part, ctx, (size_t)count));
     out->part_count = count;
@@ -392,6 +401,7 @@ pc_status pc_devmat_make(pc_devmat *out, pc_context *ctx, pc_device *device, con
         PC_TRY(pc_devmat_set_diagonals(out, ctx, matrix, rows));
     }
 done:
+    pc_free(ctx, c.longest);
     if (status != PC_OK) pc_devmat_free(out, ctx);
     return status;
 }

@@ -45,6 +45,7 @@ static pc_status write_diagonal(pc_devsolve *s, pc_context *ctx, const double *d
     double *space = NULL;
     pc_status status = pc_new(&space, ctx, order->count);
     if (status != PC_OK) return status;
+#pragma omp parallel for schedule(static)
     for (pc_index place = 0; place < order->count; place++)
         space[place] = s->cycle->scale * diagonal[order->row[place]];
     status = pc_buffer_write(s->diagonal, ctx, 0, space, order->count * sizeof *space);

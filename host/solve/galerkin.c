@@ -3,8 +3,9 @@
 #include "memory.h"
 #include <omp.h>
 
-/* A product that is made row by row: C = (1 - omega D^-1 A) B where `middle` is NULL, else C = A middle B
- * with its diagonal apart. */
+/* A product that is made row by row: C = (1 - omega D^-1 A) B where `middle` is NULL, else C = A middle B, A
+ * the transpose of B, with its diagonal apart: this one is symmetric, so that sums are made on and above the
+ * diagonal only, and mirrored. */
 typedef struct product {
     pc_blockmat *c;
     const pc_blockmat *a;
@@ -12,7 +13,8 @@ typedef struct product {
     const pc_blockmat *b;
     double omega;
     double *diagonal; /* what is on it, as many per row as pc_form_diagonal; NULL without `middle` */
-    pc_index *length; /* per row: its entries, but for the diagonal */
+    pc_index *reach;  /* per row of b: one more than its largest column; NULL without `middle` */
+    pc_index *length; /* per row: its entries, but for the diagonal and those that are mirrored there */
 } product;
 
 /* Entries of finished rows, by keys: the column, for TURNED 4 column + turn. */
@@ -38,12 +40,17 @@ typedef struct row {
 typedef struct worker {
     row space, inner;
     uint64_t *sorted; /* of the row's keys, with their places */
+    pc_index *below;  /* per row: entries that are mirrored there, then the place of the next one */
     chunk *head, *last;
     pc_status status;
 } worker;
 
 PC_ALWAYS_INLINE pc_index key_of(pc_block_form form, pc_index column, int turn) {
     return form == PC_FORM_TURNED ? 4 * column + (pc_index)turn : column;
+}
+
+PC_ALWAYS_INLINE pc_index column_of(pc_block_form form, pc_index key) {
+    return form == PC_FORM_TURNED ? key / 4 : key;
 }
 
 static size_t key_count(pc_block_form form, const pc_blockmat *m) {
@@ -147,17 +154,29 @@ PC_ALWAYS_INLINE void put_entry(pc_block_form form, pc_index *key, float *value,
         value[u] = (float)r->sum[size * k + u];
 }
 
-/* Copies the row to the chunk, its diagonal apart. */
-PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, const uint64_t *sorted, chunk *c,
-                              const product *p, pc_index i) {
+/* Copies the row to the chunk. */
+PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, chunk *c, const product *p, pc_index i) {
+    const size_t size = (size_t)pc_form_size(form);
+    const size_t at = c->count;
+    for (pc_index k = 0; k < r->count; k++)
+        put_entry(form, c->key + at + k, c->value + size * (at + k), r, k);
+    p->length[i] = r->count;
+    c->count = at + r->count;
+}
+
+/* Copies `count` sorted entries to the chunk, the diagonal apart. */
+PC_ALWAYS_INLINE void put_upper_row(pc_block_form form, const row *r, const worker *w, pc_index count,
+                                    const product *p, pc_index i) {
     const size_t size = (size_t)pc_form_size(form);
     const size_t per_row = (size_t)pc_form_diagonal(form);
-    const pc_index own = p->middle ? key_of(form, i, 0) : PC_NONE;
+    chunk *c = w->last;
     size_t e = c->count;
-    for (pc_index n = 0; n < r->count; n++) {
-        const pc_index k = sorted ? (pc_index)sorted[n] : n;
-        if (r->list[k] != own) {
+    for (pc_index n = 0; n < count; n++) {
+        const pc_index k = (pc_index)w->sorted[n];
+        const pc_index column = column_of(form, r->list[k]);
+        if (r->list[k] != key_of(form, i, 0)) {
             put_entry(form, c->key + e, c->value + size * e, r, k);
+            w->below[column] += column > i;
             e++;
             continue;
         }
@@ -168,11 +187,14 @@ PC_ALWAYS_INLINE void put_row(pc_block_form form, const row *r, const uint64_t *
     c->count = e;
 }
 
-/* The row's keys in ascending order. */
-static void sort_keys(uint64_t *sorted, const pc_index *list, pc_index count) {
+/* The row's keys from `least` on in ascending order; how many they are. */
+static pc_index sort_keys(uint64_t *sorted, const pc_index *list, pc_index keys, pc_index least) {
     static const pc_index gaps[] = {1750, 701, 301, 132, 57, 23, 10, 4, 1};
-    for (pc_index k = 0; k < count; k++)
-        sorted[k] = (uint64_t)list[k] << 32 | k;
+    pc_index count = 0;
+    for (pc_index k = 0; k < keys; k++) {
+        sorted[count] = (uint64_t)list[k] << 32 | k;
+        count += list[k] >= least;
+    }
     for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++) {
         const pc_index gap = gaps[g];
         for (pc_index k = gap; k < count; k++) {
@@ -183,67 +205,102 @@ static void sort_keys(uint64_t *sorted, const pc_index *list, pc_index count) {
             sorted[at] = now;
         }
     }
+    return count;
 }
 
-/* inner += v * row j of the square matrix a */
-PC_ALWAYS_INLINE void add_inner(pc_block_form form, row *inner, const pc_blockmat *a, const pc_blockval *v,
-                                pc_index j) {
-    pc_blockval factor;
-    load_diagonal(form, &factor, a, j);
-    pc_blockval_add_product(form, sum_at(form, inner, key_of(form, j, v->turn)), v, factor.v);
+/* inner += v * row j of the square matrix a, whose exact numbers come without their scale */
+PC_ALWAYS_INLINE void add_inner(pc_block_form form, bool exact, row *inner, const pc_blockmat *a,
+                                const pc_blockval *v, pc_index j) {
+    const size_t size = (size_t)pc_form_size(form);
+    const size_t per_row = (size_t)pc_form_diagonal(form);
+    double factor[4];
+    for (size_t u = 0; u < size; u++)
+        factor[u] = (u & 1) ? 0 : exact ? a->exact_diagonal[j] : (double)a->diagonal[per_row * j + u / 2];
+    pc_blockval_add_product(form, sum_at(form, inner, key_of(form, j, v->turn)), v, factor);
     const size_t end = a->start[j + 1];
     for (size_t e = a->start[j]; e < end; e++) {
-        pc_blockval_load(form, &factor, a, e);
-        double *sum = sum_at(form, inner, key_of(form, a->column[e], (v->turn + factor.turn) & 3));
-        pc_blockval_add_product(form, sum, v, factor.v);
+        for (size_t u = 0; u < size; u++)
+            factor[u] = exact ? a->exact[size * e + u] : (double)a->value[size * e + u];
+        const int turn = form == PC_FORM_TURNED ? (v->turn + a->turn[e]) & 3 : 0;
+        pc_blockval_add_product(form, sum_at(form, inner, key_of(form, a->column[e], turn)), v, factor);
     }
 }
 
-/* row = row i of A middle B */
-PC_ALWAYS_INLINE void add_coarse_row(pc_block_form form, row *r, row *inner, const product *p, pc_index i) {
+/* row = row i of A middle B, from column i on; what it has before that is not complete */
+PC_ALWAYS_INLINE void add_coarse_row(pc_block_form form, bool exact, row *r, row *inner, const product *p,
+                                     pc_index i) {
     const size_t size = (size_t)pc_form_size(form);
+    const double scale = exact ? p->middle->exact_scale : 1; /* a power of two */
     pc_blockval v;
     for (size_t e = p->a->start[i]; e < p->a->start[i + 1]; e++) {
         pc_blockval_load(form, &v, p->a, e);
-        add_inner(form, inner, p->middle, &v, p->a->column[e]);
+        for (size_t u = 0; u < size; u++)
+            v.v[u] *= scale;
+        add_inner(form, exact, inner, p->middle, &v, p->a->column[e]);
     }
     for (pc_index k = 0; k < inner->count; k++) {
         const pc_index key = inner->list[k];
+        if (p->reach[column_of(form, key)] <= i) continue;
         memcpy(v.v, inner->sum + size * k, size * sizeof *v.v);
         v.turn = form == PC_FORM_TURNED ? (int)(key & 3) : 0;
-        add_row(form, r, p->b, &v, form == PC_FORM_TURNED ? key / 4 : key);
+        add_row(form, r, p->b, &v, column_of(form, key));
+    }
+}
+
+static bool has_room(worker *w, pc_context *ctx, size_t size, pc_index i, pc_index count) {
+    return (w->last && w->last->count + count <= w->last->room) || next_chunk(w, ctx, size, i, count);
+}
+
+PC_ALWAYS_INLINE void fill_smooth(pc_block_form form, worker *w, pc_context *ctx, const product *p,
+                                  pc_index from, pc_index to) {
+    row r = w->space;
+    for (pc_index i = from; i < to; i++) {
+        if (p->b->start[i] < p->b->start[i + 1]) {
+            add_square_row(form, &r, p->a, p->b, i);
+            smooth_row(form, &r, p, i);
+        }
+        if (!has_room(w, ctx, (size_t)pc_form_size(form), i, r.count)) break;
+        put_row(form, &r, w->last, p, i);
+        clear_row(form, &r, key_count(form, p->b));
+    }
+}
+
+PC_ALWAYS_INLINE void fill_coarse(pc_block_form form, bool exact, worker *w, pc_context *ctx,
+                                  const product *p, pc_index from, pc_index to) {
+    row r = w->space;
+    row inner = w->inner;
+    for (pc_index i = from; i < to; i++) {
+        add_coarse_row(form, exact, &r, &inner, p, i);
+        clear_row(form, &inner, key_count(form, p->middle));
+        const pc_index upper = sort_keys(w->sorted, r.list, r.count, key_of(form, i, 0));
+        if (!has_room(w, ctx, (size_t)pc_form_size(form), i, upper)) break;
+        put_upper_row(form, &r, w, upper, p, i);
+        clear_row(form, &r, key_count(form, p->b));
     }
 }
 
 PC_ALWAYS_INLINE void fill_rows(pc_block_form form, worker *w, pc_context *ctx, const product *p,
                                 pc_index from, pc_index to) {
-    row r = w->space;
-    row inner = w->inner;
-    for (pc_index i = from; i < to; i++) {
-        if (p->middle) {
-            add_coarse_row(form, &r, &inner, p, i);
-            clear_row(form, &inner, key_count(form, p->middle));
-            sort_keys(w->sorted, r.list, r.count);
-        } else if (p->b->start[i] < p->b->start[i + 1]) {
-            add_square_row(form, &r, p->a, p->b, i);
-            smooth_row(form, &r, p, i);
-        }
-        if ((!w->last || w->last->count + r.count > w->last->room) &&
-            !next_chunk(w, ctx, (size_t)pc_form_size(form), i, r.count))
-            break;
-        put_row(form, &r, p->middle ? w->sorted : NULL, w->last, p, i);
-        clear_row(form, &r, key_count(form, p->b));
-    }
+    if (!p->middle)
+        fill_smooth(form, w, ctx, p, from, to);
+    else if (p->middle->exact)
+        fill_coarse(form, true, w, ctx, p, from, to);
+    else
+        fill_coarse(form, false, w, ctx, p, from, to);
 }
 
-/* The rows in equal runs, one for each thread. */
+/* Rows are cut into equal runs, one for each thread: where run t starts. */
+static pc_index run_start(pc_index rows, int t, int threads) {
+    return (pc_index)((size_t)rows * (size_t)t / (size_t)threads);
+}
+
 static pc_status fill(worker *workers, pc_context *ctx, const product *p, int threads) {
-    const size_t n = p->a->row_count;
+    const pc_index n = p->a->row_count;
     pc_status status = PC_OK;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int t = 0; t < threads; t++) {
-        const pc_index from = (pc_index)(n * (size_t)t / (size_t)threads);
-        const pc_index to = (pc_index)(n * ((size_t)t + 1) / (size_t)threads);
+        const pc_index from = run_start(n, t, threads);
+        const pc_index to = run_start(n, t + 1, threads);
         if (p->a->form == PC_FORM_SCALAR) fill_rows(PC_FORM_SCALAR, &workers[t], ctx, p, from, to);
         if (p->a->form == PC_FORM_COMPLEX) fill_rows(PC_FORM_COMPLEX, &workers[t], ctx, p, from, to);
         if (p->a->form == PC_FORM_TURNED) fill_rows(PC_FORM_TURNED, &workers[t], ctx, p, from, to);
@@ -255,8 +312,9 @@ static pc_status fill(worker *workers, pc_context *ctx, const product *p, int th
 
 static size_t longest_row(const pc_blockmat *m) {
     pc_index longest = 0;
+#pragma omp parallel for schedule(static) reduction(max : longest) if (m->row_count > PC_PARALLEL_ROWS)
     for (pc_index i = 0; i < m->row_count; i++) {
-        pc_index length = m->start[i + 1] - m->start[i];
+        const pc_index length = m->start[i + 1] - m->start[i];
         if (length > longest) longest = length;
     }
     return longest;
@@ -289,6 +347,7 @@ static pc_status make_workers(worker *workers, pc_context *ctx, const product *p
         if (!p->middle) continue;
         PC_TRY(make_row(&workers[t].inner, ctx, inner, p->middle));
         PC_TRY(pc_new(&workers[t].sorted, ctx, room));
+        PC_TRY(pc_new(&workers[t].below, ctx, p->a->row_count));
     }
 done:
     return status;
@@ -305,6 +364,7 @@ static void free_workers(worker *workers, pc_context *ctx, int threads) {
         free_row(&workers[t].space, ctx);
         free_row(&workers[t].inner, ctx);
         pc_free(ctx, workers[t].sorted);
+        pc_free(ctx, workers[t].below);
         while (workers[t].head) {
             chunk *next = workers[t].head->next;
             pc_free(ctx, workers[t].head);
@@ -314,63 +374,46 @@ static void free_workers(worker *workers, pc_context *ctx, int threads) {
     pc_free(ctx, workers);
 }
 
-/* The chunks of a thread to their places. */
-static void keep_chunks(pc_blockmat *c, pc_context *ctx, worker *w) {
+/* Where rows start, each with what is mirrored there first, by threads as by rows. */
+static void lay_out(pc_index *start, worker *workers, const product *p, int threads) {
+    pc_index at = 0;
+    for (pc_index i = 0; i < p->a->row_count; i++) {
+        start[i] = at;
+        for (int t = 0; p->middle && t < threads; t++) {
+            const pc_index count = workers[t].below[i];
+            workers[t].below[i] = at;
+            at += count;
+        }
+        at += p->length[i];
+    }
+    start[p->a->row_count] = at;
+}
+
+/* Entries of a chunk from `at` on to their place. */
+static void keep_entries(const pc_blockmat *c, size_t place, const chunk *from, size_t at, size_t count) {
     const size_t size = (size_t)pc_form_size(c->form);
+    for (size_t k = 0; k < count; k++)
+        c->column[place + k] = column_of(c->form, from->key[at + k]);
+    for (size_t k = 0; c->turn && k < count; k++)
+        c->turn[place + k] = (uint8_t)(from->key[at + k] % 4);
+    memcpy(c->value + size * place, from->value + size * at, size * count * sizeof *from->value);
+}
+
+/* The chunks of a thread, whose rows end at `to`, to their places. */
+static void keep_chunks(pc_context *ctx, worker *w, const product *p, pc_index to) {
+    const pc_blockmat *c = p->c;
     while (w->head) {
         chunk *from = w->head;
-        const size_t to = c->start[from->first];
-        for (size_t e = 0; e < from->count; e++)
-            c->column[to + e] = c->form == PC_FORM_TURNED ? from->key[e] / 4 : from->key[e];
-        for (size_t e = 0; c->turn && e < from->count; e++)
-            c->turn[to + e] = (uint8_t)(from->key[e] % 4);
-        memcpy(c->value + size * to, from->value, size * from->count * sizeof *from->value);
+        const pc_index end = from->next ? from->next->first : to;
+        size_t at = 0;
+        if (!p->middle) keep_entries(c, c->start[from->first], from, 0, from->count);
+        for (pc_index i = from->first; p->middle && i < end; i++) {
+            keep_entries(c, c->start[i + 1] - p->length[i], from, at, p->length[i]);
+            at += p->length[i];
+        }
         w->head = from->next;
         pc_free(ctx, from);
     }
-}
-/* Offsets from the numbers of entries that stand one place further on. */
-static void add_up(pc_index *start, pc_index rows) {
-    for (pc_index i = 0; i < rows; i++)
-        start[i + 1] += start[i];
-}
-
-/* After each offset has run to the next one. */
-static void run_back(pc_index *start, pc_index rows) {
-    for (pc_index i = rows; i > 0; i--)
-        start[i] = start[i - 1];
-    start[0] = 0;
-}
-
-static pc_status multiply(product *p, pc_context *ctx) {
-    pc_status status = PC_OK;
-    worker *workers = NULL;
-    const pc_index n = p->a->row_count;
-    const int threads = n > PC_PARALLEL_ROWS ? omp_get_max_threads() : 1;
-    size_t entries = 0;
-    PC_TRY(pc_new(&workers, ctx, (size_t)threads));
-    PC_TRY(pc_new(&p->length, ctx, n));
-    PC_TRY(make_workers(workers, ctx, p, threads));
-    PC_TRY(fill(workers, ctx, p, threads));
-    for (pc_index i = 0; i < n; i++)
-        entries += p->length[i];
-    PC_TRY(pc_blockmat_make(p->c, ctx, p->a->form, n, p->b->column_count, entries, p->middle != NULL));
-    memcpy(p->c->start + 1, p->length, n * sizeof *p->length);
-    add_up(p->c->start, n);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int t = 0; t < threads; t++)
-        keep_chunks(p->c, ctx, &workers[t]);
-done:
-    free_workers(workers, ctx, threads);
-    pc_free(ctx, p->length);
-    return status;
-}
-
-pc_status pc_galerkin_smooth(pc_blockmat *prolongator, pc_context *ctx, const pc_blockmat *matrix,
-                             const pc_blockmat *tentative, double omega) {
-    product p = {.c = prolongator, .a = matrix, .b = tentative, .omega = omega};
-    *prolongator = (pc_blockmat){0};
-    return multiply(&p, ctx);
 }
 
 PC_ALWAYS_INLINE void transpose_entry(pc_block_form form, pc_blockmat *r, size_t to, const pc_blockmat *p,
@@ -384,32 +427,136 @@ PC_ALWAYS_INLINE void transpose_entry(pc_block_form form, pc_blockmat *r, size_t
     if (form == PC_FORM_TURNED) r->turn[to] = (uint8_t)out.turn;
 }
 
-pc_status pc_galerkin_transpose(pc_blockmat *restriction, pc_context *ctx, const pc_blockmat *prolongator) {
-    const pc_blockmat *p = prolongator;
-    const pc_block_form form = p->form;
-    const size_t entries = p->start[p->row_count];
-    pc_status status = PC_OK;
-    pc_index *source = NULL;
-    *restriction = (pc_blockmat){0};
-    PC_TRY(pc_resize(&source, ctx, entries));
-    PC_TRY(pc_blockmat_make(restriction, ctx, form, p->column_count, p->row_count, entries, false));
-    pc_blockmat *r = restriction;
-    for (size_t e = 0; e < entries; e++)
-        r->start[p->column[e] + 1]++;
-    add_up(r->start, p->column_count);
-    for (pc_index i = 0; i < p->row_count; i++) {
-        for (pc_index e = p->start[i]; e < p->start[i + 1]; e++) {
-            pc_index to = r->start[p->column[e]]++;
-            r->column[to] = i;
-            source[to] = e;
+/* Mirrors row i; `below` holds the next place of each row. */
+PC_ALWAYS_INLINE void mirror_row(pc_block_form form, pc_blockmat *c, pc_index *below, pc_index length,
+                                 pc_index i) {
+    const size_t end = c->start[i + 1];
+    size_t next;
+    for (size_t e = end - length; e < end; e = next) {
+        const pc_index column = c->column[e];
+        for (next = e + 1; form == PC_FORM_TURNED && next < end && c->column[next] == column;)
+            next++;
+        if (column == i) continue;
+        /* Turns 1 to 3 of a column ascend the other way when they are transposed. */
+        const size_t first = form == PC_FORM_TURNED && c->turn[e] > 0 ? e : e + 1;
+        for (size_t k = 0; k < next - e; k++) {
+            const size_t from = e + k < first ? e : next - 1 - (k - (first - e));
+            const size_t to = below[column]++;
+            c->column[to] = i;
+            transpose_entry(form, c, to, c, from);
         }
     }
-    run_back(r->start, p->column_count);
-#define ENTRY(form_of, e) transpose_entry(form_of, r, e, p, source[e])
-    PC_EACH_ROW(form, (pc_index)entries, ENTRY);
-#undef ENTRY
+}
+
+static void mirror(const product *p, pc_index *below, pc_index from, pc_index to) {
+    for (pc_index i = from; i < to; i++) {
+        if (p->c->form == PC_FORM_SCALAR) mirror_row(PC_FORM_SCALAR, p->c, below, p->length[i], i);
+        if (p->c->form == PC_FORM_COMPLEX) mirror_row(PC_FORM_COMPLEX, p->c, below, p->length[i], i);
+        if (p->c->form == PC_FORM_TURNED) mirror_row(PC_FORM_TURNED, p->c, below, p->length[i], i);
+    }
+}
+
+static size_t count_entries(const product *p, const worker *workers, int threads) {
+    size_t entries = 0;
+#pragma omp parallel for schedule(static) reduction(+ : entries) num_threads(threads)
+    for (pc_index i = 0; i < p->a->row_count; i++) {
+        entries += p->length[i];
+        for (int t = 0; p->middle && t < threads; t++)
+            entries += workers[t].below[i];
+    }
+    return entries;
+}
+
+static pc_status multiply(product *p, pc_context *ctx) {
+    pc_status status = PC_OK;
+    worker *workers = NULL;
+    const pc_index n = p->a->row_count;
+    const int threads = n > PC_PARALLEL_ROWS ? omp_get_max_threads() : 1;
+    PC_TRY(pc_new(&workers, ctx, (size_t)threads));
+    PC_TRY(pc_new(&p->length, ctx, n));
+    PC_TRY(make_workers(workers, ctx, p, threads));
+    PC_TRY(fill(workers, ctx, p, threads));
+    PC_TRY(pc_blockmat_make(p->c, ctx, p->a->form, n, p->b->column_count, count_entries(p, workers, threads),
+                            p->middle != NULL));
+    lay_out(p->c->start, workers, p, threads);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int t = 0; t < threads; t++) {
+        keep_chunks(ctx, &workers[t], p, run_start(n, t + 1, threads));
+        if (p->middle) mirror(p, workers[t].below, run_start(n, t, threads), run_start(n, t + 1, threads));
+    }
 done:
-    pc_free(ctx, source);
+    free_workers(workers, ctx, threads);
+    pc_free(ctx, p->length);
+    return status;
+}
+
+pc_status pc_galerkin_smooth(pc_blockmat *prolongator, pc_context *ctx, const pc_blockmat *matrix,
+                             const pc_blockmat *tentative, double omega) {
+    product p = {.c = prolongator, .a = matrix, .b = tentative, .omega = omega};
+    *prolongator = (pc_blockmat){0};
+    return multiply(&p, ctx);
+}
+
+/* Entries of the rows [from, to) by columns. */
+static void count_columns(pc_index *count, const pc_blockmat *p, pc_index from, pc_index to) {
+    for (pc_index e = p->start[from]; e < p->start[to]; e++)
+        count[p->column[e]]++;
+}
+
+/* From the runs' counts of each column to the places of their entries. */
+static void place_columns(pc_index *start, pc_index *count, pc_index columns, int runs) {
+    pc_index at = 0;
+    for (pc_index c = 0; c < columns; c++) {
+        start[c] = at;
+        for (int t = 0; t < runs; t++) {
+            const pc_index own = count[(size_t)columns * (size_t)t + c];
+            count[(size_t)columns * (size_t)t + c] = at;
+            at += own;
+        }
+    }
+    start[columns] = at;
+}
+
+PC_ALWAYS_INLINE void transpose_row(pc_block_form form, pc_blockmat *r, pc_index *place, const pc_blockmat *p,
+                                    pc_index i) {
+    for (size_t e = p->start[i]; e < p->start[i + 1]; e++) {
+        const size_t to = place[p->column[e]]++;
+        r->column[to] = i;
+        transpose_entry(form, r, to, p, e);
+    }
+}
+
+static void transpose_rows(pc_blockmat *r, pc_index *place, const pc_blockmat *p, pc_index from,
+                           pc_index to) {
+    for (pc_index i = from; i < to; i++) {
+        if (p->form == PC_FORM_SCALAR) transpose_row(PC_FORM_SCALAR, r, place, p, i);
+        if (p->form == PC_FORM_COMPLEX) transpose_row(PC_FORM_COMPLEX, r, place, p, i);
+        if (p->form == PC_FORM_TURNED) transpose_row(PC_FORM_TURNED, r, place, p, i);
+    }
+}
+
+pc_status pc_galerkin_transpose(pc_blockmat *restriction, pc_context *ctx, const pc_blockmat *prolongator) {
+    enum { MOST_RUNS = 16 };
+    const pc_blockmat *p = prolongator;
+    const pc_index n = p->row_count;
+    const int threads = n > PC_PARALLEL_ROWS ? omp_get_max_threads() : 1;
+    const int runs = threads < MOST_RUNS ? threads : MOST_RUNS;
+    pc_status status = PC_OK;
+    pc_index *place = NULL;
+    *restriction = (pc_blockmat){0};
+    PC_TRY(pc_new(&place, ctx, (size_t)runs * p->column_count));
+    PC_TRY(pc_blockmat_make(restriction, ctx, p->form, p->column_count, n, p->start[n], false));
+#pragma omp parallel for schedule(static) num_threads(runs)
+    for (int t = 0; t < runs; t++)
+        count_columns(place + (size_t)t * p->column_count, p, run_start(n, t, runs),
+                      run_start(n, t + 1, runs));
+    place_columns(restriction->start, place, p->column_count, runs);
+#pragma omp parallel for schedule(static) num_threads(runs)
+    for (int t = 0; t < runs; t++)
+        transpose_rows(restriction, place + (size_t)t * p->column_count, p, run_start(n, t, runs),
+                       run_start(n, t + 1, runs));
+done:
+    pc_free(ctx, place);
     if (status != PC_OK) pc_blockmat_free(restriction, ctx);
     return status;
 }
@@ -417,6 +564,7 @@ done:
 void pc_galerkin_invert_diagonal(pc_blockmat *matrix) {
     const size_t n = matrix->row_count * (size_t)pc_form_diagonal(matrix->form);
     if (!matrix->inverse) return;
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
     for (size_t i = 0; i < n; i++)
         matrix->inverse[i] = 1 / matrix->diagonal[i];
 }
@@ -446,18 +594,35 @@ static void put_diagonals(pc_blockmat *c, const double *diagonal, const pc_block
     pc_galerkin_invert_diagonal(c);
 }
 
+/* Per row one more than its largest column, 0 where it is empty. */
+static pc_status find_reach(pc_index **reach, pc_context *ctx, const pc_blockmat *m) {
+    const pc_status status = pc_resize(reach, ctx, m->row_count);
+    if (status != PC_OK) return status;
+#pragma omp parallel for schedule(static) if (m->row_count > PC_PARALLEL_ROWS)
+    for (pc_index i = 0; i < m->row_count; i++) {
+        pc_index most = 0;
+        for (size_t e = m->start[i]; e < m->start[i + 1]; e++)
+            most = m->column[e] >= most ? m->column[e] + 1 : most;
+        (*reach)[i] = most;
+    }
+    return PC_OK;
+}
+
 pc_status pc_galerkin_coarse(pc_blockmat *coarse, pc_context *ctx, const pc_blockmat *restriction,
                              const pc_blockmat *matrix, const pc_blockmat *prolongator) {
     pc_status status = PC_OK;
     double *diagonal = NULL;
+    product p = {.c = coarse, .a = restriction, .middle = matrix, .b = prolongator};
     *coarse = (pc_blockmat){0};
     PC_TRY(
         pc_new(&diagonal, ctx, (size_t)restriction->row_count * (size_t)pc_form_diagonal(restriction->form)));
-    product p = {.c = coarse, .a = restriction, .middle = matrix, .b = prolongator, .diagonal = diagonal};
+    p.diagonal = diagonal;
+    PC_TRY(find_reach(&p.reach, ctx, prolongator));
     PC_TRY(multiply(&p, ctx));
     put_diagonals(coarse, diagonal, restriction, matrix);
 done:
     pc_free(ctx, diagonal);
+    pc_free(ctx, p.reach);
     if (status != PC_OK) pc_blockmat_free(coarse, ctx);
     return status;
 }

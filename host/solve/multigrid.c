@@ -1,4 +1,5 @@
 #include "multigrid.h"
+#include "eachrow.h"
 #include "galerkin.h"
 #include "memory.h"
 #include "random.h"
@@ -8,6 +9,7 @@
 
 /* Reals of a last level that is solved directly. */
 enum { DIRECT = 320 };
+enum { SUM_BLOCK = 4096 };
 /* Share of the spectrum, from above, that smoothing covers. */
 static const double smooth_from = 0.1;
 static const double strong = 0.06;
@@ -20,25 +22,36 @@ static float hashed(size_t i) {
     return (float)(pc_hash64(i) >> 40) * 0x1p-23F - 1;
 }
 
-/* sum x_i y_i in fixed blocks */
-static double product_sum(const float *x, const float *y, size_t n) {
-    enum { BLOCK = 4096 };
+/* sum x_i y_i in fixed blocks, whose sums go by `partial` */
+static double product_sum(const float *x, const float *y, double *partial, size_t n) {
+    const size_t blocks = (n + SUM_BLOCK - 1) / SUM_BLOCK;
     double total = 0;
-    for (size_t at = 0; at < n; at += BLOCK) {
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
+    for (size_t block = 0; block < blocks; block++) {
+        const size_t end = (block + 1) * SUM_BLOCK < n ? (block + 1) * SUM_BLOCK : n;
         float sum = 0;
-        for (size_t i = at; i < n && i < at + BLOCK; i++)
+        for (size_t i = block * SUM_BLOCK; i < end; i++)
             sum += x[i] * y[i];
-        total += (double)sum;
+        partial[block] = (double)sum;
     }
+    for (size_t block = 0; block < blocks; block++)
+        total += partial[block];
     return total;
 }
 
 /* x^T D x */
-static double weighted_square_sum(const float *x, const pc_blockmat *a, size_t n) {
-    const size_t per_number = (size_t)pc_form_width(a->form) / (size_t)pc_form_diagonal(a->form);
+static double weighted_square_sum(const float *x, const pc_blockmat *a) {
+    const size_t diagonals = a->row_count * (size_t)pc_form_diagonal(a->form);
     double total = 0;
-    for (size_t i = 0; i < n; i++)
-        total += (double)(a->diagonal[i / per_number] * x[i] * x[i]);
+    if (a->form == PC_FORM_SCALAR) {
+        for (size_t i = 0; i < diagonals; i++)
+            total += (double)(a->diagonal[i] * x[i] * x[i]);
+        return total;
+    }
+    for (size_t i = 0; i < diagonals; i++) {
+        total += (double)(a->diagonal[i] * x[2 * i] * x[2 * i]);
+        total += (double)(a->diagonal[i] * x[2 * i + 1] * x[2 * i + 1]);
+    }
     return total;
 }
 
@@ -95,52 +108,81 @@ static double largest_of_tridiagonal(const double *diagonal, const double *besid
     return high;
 }
 
+/* Vectors of Lanczos' method. */
+typedef struct lanczos {
+    float *x, *y, *before;
+    double *partial;
+} lanczos;
+
+static pc_status start_lanczos(lanczos *l, pc_context *ctx, const pc_blockmat *a) {
+    const size_t n = reals(a);
+    pc_status status = PC_OK;
+    PC_TRY(pc_resize(&l->x, ctx, n));
+    PC_TRY(pc_resize(&l->y, ctx, n));
+    PC_TRY(pc_new(&l->before, ctx, n));
+    PC_TRY(pc_resize(&l->partial, ctx, n / SUM_BLOCK + 1));
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
+    for (size_t i = 0; i < n; i++)
+        l->x[i] = hashed(i);
+    const double norm = sqrt(weighted_square_sum(l->x, a));
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
+    for (size_t i = 0; i < n; i++)
+        l->x[i] = (float)((double)l->x[i] / norm);
+done:
+    return status;
+}
+
+static void free_lanczos(const lanczos *l, pc_context *ctx) {
+    pc_free(ctx, l->x);
+    pc_free(ctx, l->y);
+    pc_free(ctx, l->before);
+    pc_free(ctx, l->partial);
+}
+
+/* A row of the tridiagonal matrix, after the number beside the one before. */
+static void step_lanczos(const lanczos *l, const pc_blockmat *a, double *diagonal, double *beside,
+                         double last) {
+    const size_t n = reals(a);
+    pc_blockmat_apply(l->y, a, l->x);
+    const double own = product_sum(l->x, l->y, l->partial, n);
+    divide(l->y, a);
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
+    for (size_t i = 0; i < n; i++)
+        l->y[i] -= (float)(own * (double)l->x[i] + last * (double)l->before[i]);
+    const double norm = sqrt(weighted_square_sum(l->y, a));
+    *diagonal = own;
+    *beside = norm;
+    if (!(norm > 1e-6)) return;
+#pragma omp parallel for schedule(static) if (n > PC_PARALLEL_ROWS)
+    for (size_t i = 0; i < n; i++) {
+        l->before[i] = l->x[i];
+        l->x[i] = (float)((double)l->y[i] / norm);
+    }
+}
+
 /* A little above the largest eigenvalue of D^-1 A. Rows that outweigh their couplings tell well enough; else
  * Lanczos' method in the scalar product of D finds outliers that a power iteration of the same length would
  * not see. */
 static pc_status find_largest(double *largest, pc_context *ctx, const pc_blockmat *a) {
     enum { ITERATIONS = 7 };
     const double enough = 2.01;
-    size_t n = reals(a);
-    float *x = NULL;
-    float *y = NULL;
-    float *before = NULL;
     double diagonal[ITERATIONS];
     double beside[ITERATIONS];
+    lanczos l = {0};
     int count = 0;
     pc_status status = PC_OK;
-    double bound = largest_possible(a);
+    const double bound = largest_possible(a);
     *largest = bound;
     if (bound <= enough) return PC_OK;
-    PC_TRY(pc_new(&x, ctx, n));
-    PC_TRY(pc_new(&y, ctx, n));
-    PC_TRY(pc_new(&before, ctx, n));
-    for (size_t i = 0; i < n; i++)
-        x[i] = hashed(i);
-    double norm = sqrt(weighted_square_sum(x, a, n));
-    for (size_t i = 0; i < n; i++)
-        x[i] = (float)((double)x[i] / norm);
-    while (count < ITERATIONS) {
-        pc_blockmat_apply(y, a, x);
-        diagonal[count] = product_sum(x, y, n);
-        divide(y, a);
-        double last = count > 0 ? beside[count - 1] : 0;
-        for (size_t i = 0; i < n; i++)
-            y[i] -= (float)(diagonal[count] * (double)x[i] + last * (double)before[i]);
-        norm = sqrt(weighted_square_sum(y, a, n));
-        beside[count++] = norm;
-        if (!(norm > 1e-6)) break;
-        for (size_t i = 0; i < n; i++) {
-            before[i] = x[i];
-            x[i] = (float)((double)y[i] / norm);
-        }
+    PC_TRY(start_lanczos(&l, ctx, a));
+    for (bool more = true; more && count < ITERATIONS; count++) {
+        step_lanczos(&l, a, &diagonal[count], &beside[count], count > 0 ? beside[count - 1] : 0);
+        more = beside[count] > 1e-6;
     }
-    double found = 1.05 * largest_of_tridiagonal(diagonal, beside, count);
+    const double found = 1.05 * largest_of_tridiagonal(diagonal, beside, count);
     if (isfinite(found) && found > 1 && found < bound) *largest = found;
 done:
-    pc_free(ctx, x);
-    pc_free(ctx, y);
-    pc_free(ctx, before);
+    free_lanczos(&l, ctx);
     return status;
 }
 
@@ -185,8 +227,10 @@ static pc_status finest(pc_multigrid *mg, pc_context *ctx, const pc_system *syst
     for (size_t k = 0; k < entries * (size_t)pc_form_size(form); k++)
         a->value[k] = (float)(mg->scale * system->value[k]);
     const size_t per_row = (size_t)pc_form_diagonal(form);
-    for (size_t i = 0; i < n * per_row; i++)
-        a->diagonal[i] = (float)(mg->scale * system->diagonal[i / per_row]);
+#pragma omp parallel for schedule(static)
+    for (pc_index i = 0; i < n; i++)
+        for (size_t k = 0; k < per_row; k++)
+            a->diagonal[per_row * i + k] = (float)(mg->scale * system->diagonal[i]);
     a->exact = system->value;
     a->exact_diagonal = system->diagonal;
     a->exact_scale = mg->scale;

@@ -56,6 +56,7 @@ static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *sys
     pc_devsolve_free(s->devsolve, ctx);
     s->devsolve = NULL;
     PC_TRY(check_diagonal(ctx, system));
+#pragma omp parallel for schedule(static)
     for (pc_index i = 0; i < s->row_count; i++)
         s->first_diagonal[i] = (float)system->diagonal[i];
     if (pc_device_is_host(s->device)) {
