@@ -2,6 +2,7 @@
 #include "fold.h"
 #include "insertion.h"
 #include "memory.h"
+#include "region.h"
 #include <string.h>
 
 /* The error above which faces are refined now: others may profit from that. */
@@ -106,18 +107,25 @@ static void go_back_to(adapting *a, const snapshot *s) {
     pc_tspline_update(a->spline);
 }
 
+static pc_status measure(adapting *a, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_free(ctx, a->error), a->error = NULL;
+    PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
+    PC_TRY(pc_accuracy_measure(&a->stats->accuracy, a->error, ctx, a->spline, a->target,
+                               &a->matching.vertices, a->options->per_side));
+done:
+    return status;
+}
+
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
     pc_adapt_stats *stats = a->stats;
-    pc_accuracy *accuracy = &stats->accuracy;
+    const pc_accuracy *accuracy = &stats->accuracy;
     pc_fit_options fitting = a->options->fit;
     fitting.within = a->options->tolerance;
     fitting.rough = !a->fitted;
     PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fitting));
-    pc_free(ctx, a->error), a->error = NULL;
-    PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
-    PC_TRY(pc_accuracy_measure(accuracy, a->error, ctx, a->spline, a->target, &a->matching.vertices,
-                               a->options->per_side));
+    PC_TRY(measure(a, ctx));
     if (!a->fitted) stats->first_max = accuracy->max;
     a->fitted = true;
     pc_log(ctx, PC_LOG_DEBUG,
@@ -228,24 +236,61 @@ static pc_status go_back(adapting *a, pc_context *ctx) {
                    a->spline->mesh.vertex_count, a->stats->accuracy.max, a->options->tolerance);
 }
 
-/* Folds that are within the tolerance: one more fit, kept if it is within the tolerance as well and has
- * fewer. */
+/* What surrounds faces beyond the tolerance is as it was before folds were opened, matching included. */
+static pc_status take_back_around(adapting *a, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_index faces = a->spline->mesh.face_count;
+    const size_t each = (size_t)(a->matching.feet.per_side * a->matching.feet.per_side);
+    pc_region region = {0};
+    double *far = NULL;
+    PC_TRY(pc_new(&far, ctx, faces));
+    for (pc_index f = 0; f < faces; f++)
+        far[f] = a->error[f].max;
+    PC_TRY(pc_region_make(&region, ctx, a->spline, far, a->options->tolerance));
+    for (size_t i = 0; i < 3 * (size_t)a->spline->mesh.vertex_count; i++)
+        if (region.free[i / 3]) a->spline->position[i] = a->before.position[i];
+    for (pc_index f = 0; f < faces; f++)
+        if (region.active[f])
+            memcpy(a->matching.feet.foot + f * each, a->before.foot + f * each, each * sizeof(pc_foot));
+    for (pc_index v = 0; v < a->matching.vertices.count; v++) {
+        const pc_index now = a->matching.vertices.spot[v].face, then = a->before.spot[v].face;
+        if ((now != PC_NONE && region.active[now]) || (then != PC_NONE && region.active[then]))
+            a->matching.vertices.spot[v] = a->before.spot[v];
+    }
+    pc_tspline_update(a->spline);
+    PC_TRY(measure(a, ctx));
+done:
+    pc_region_free(&region, ctx);
+    pc_free(ctx, far);
+    return status;
+}
+
+/* Folds that are within the tolerance: one more fit, taken back around what it has brought beyond it, and
+ * kept if it leaves fewer. */
 static pc_status polish(adapting *a, pc_context *ctx, pc_device *device) {
+    enum { TRIES = 3 };
     pc_status status = PC_OK;
     const double tolerance = a->options->tolerance;
-    const pc_index faces = a->spline->mesh.face_count;
+    const pc_adapt_stats stats = *a->stats;
     uint8_t *folded = NULL;
-    PC_TRY(pc_new(&folded, ctx, faces));
+    PC_TRY(pc_new(&folded, ctx, a->spline->mesh.face_count));
     const pc_index before = pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance);
     if (!before) goto done;
-    pc_tspline_free(&a->best, ctx);
-    PC_TRY(remember(a, ctx));
+    PC_TRY(take_snapshot(a, ctx, before));
     PC_TRY(open_folds(a, ctx, folded, false));
     status = fit(a, ctx, device);
+    for (int k = 0; k < TRIES && status == PC_OK && a->stats->accuracy.max > tolerance; k++)
+        status = take_back_around(a, ctx);
     if (status != PC_OK && status != PC_E_NOCONV) goto done;
-    const bool better = status == PC_OK && a->stats->accuracy.max <= tolerance &&
-                        pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance) < before;
-    if (!better) pc_context_clear_message(ctx), status = take_best(a, ctx);
+    const pc_index left = pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance);
+    pc_log(ctx, PC_LOG_DEBUG, "spline: %u faces are folded within the tolerance, %u were; max %g", left,
+           before, a->stats->accuracy.max);
+    if (status != PC_OK || a->stats->accuracy.max > tolerance || left >= before) {
+        pc_context_clear_message(ctx);
+        go_back_to(a, &a->before);
+        *a->stats = stats;
+        status = PC_OK;
+    }
 done:
     pc_free(ctx, folded);
     return status;
