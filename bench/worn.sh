@@ -30,3 +30,11 @@ make bunny-needles "$data/stanford-bunny.obj" --needles 0.02 --shuffle
 make max-twice "$data/decimated-max.obj" --copies 2
 make wingnut-holes "$data/wingnut.obj" --subdivide 1 --holes 4
 make botijo-soup "$data/botijo.obj" --noise 0.15 --seed 9 --unweld
+make bunny-holes "$data/stanford-bunny.obj" --holes 8 --seed 31
+make fertility-holes "$data/fertility.off" --holes 6 --seed 32
+make vase-holes vase --faces 20000 --holes 8 --seed 33
+make rocker-arm-holes "$data/rocker-arm.obj" --holes 5 --noise 0.05 --seed 34
+make camelhead-holes "$data/camelhead.off" --holes 6 --seed 35
+make max-holes "$data/decimated-max.obj" --subdivide 1 --holes 10 --seed 36
+make nefertiti-shuffle "$data/nefertiti-lowres.obj" --shuffle --ripple 0.2 --seed 37
+make beast-noise "$data/beast.obj" --noise 0.05 --seed 38
