@@ -39,7 +39,7 @@ done:
 
 pc_status pc_png_write(pc_context *ctx, const char *path, const uint8_t *pixels, int width, int height) {
     uint8_t *data = NULL;
-    size_t size;
+    size_t size = 0;
     pc_status status = pc_png_encode(&data, &size, ctx, pixels, width, height);
     if (status == PC_OK) status = pc_png_put(ctx, path, data, size);
     pc_free(ctx, data);

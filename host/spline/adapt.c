@@ -240,7 +240,7 @@ static pc_status go_back(adapting *a, pc_context *ctx) {
 static pc_status take_back_around(adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_index faces = a->spline->mesh.face_count;
-    const size_t each = (size_t)(a->matching.feet.per_side * a->matching.feet.per_side);
+    const size_t side = (size_t)a->matching.feet.per_side, each = side * side;
     pc_region region = {0};
     double *far = NULL;
     PC_TRY(pc_new(&far, ctx, faces));
