@@ -83,6 +83,7 @@ static pc_status take_snapshot(adapting *a, pc_context *ctx, pc_index folds) {
     pc_status status = PC_OK;
     const pc_tmesh *mesh = &a->spline->mesh;
     snapshot *s = &a->before;
+    drop_snapshot(s, ctx); /* of an opening that has served */
     s->accuracy = a->stats->accuracy, s->folds = folds;
     PC_TRY(pc_new(&s->position, ctx, 3 * (size_t)mesh->vertex_count));
     PC_TRY(pc_new(&s->foot, ctx, foot_count(a)));
