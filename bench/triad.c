@@ -62,8 +62,7 @@ static pc_status look(double *rate, pc_context *ctx, pc_device *device, const ch
 
 static pc_status device_triad(double *rate, pc_context *ctx, pc_device *device, size_t n, int repeats) {
     pc_status status = PC_OK;
-    const bool chunks = pc_device_shape(device) == PC_SHAPE_CHUNK;
-    const uint32_t per_item = chunks ? 8192 : 1;
+    const uint32_t per_item = pc_device_shape(device) == PC_SHAPE_CHUNK ? 8192 : 1;
     const size_t items = (n / 8 + per_item - 1) / per_item;
     const double bytes = 24.0 * (double)n;
     double before = 0;
@@ -77,7 +76,7 @@ static pc_status device_triad(double *rate, pc_context *ctx, pc_device *device, 
     PC_TRY(filled(&b, ctx, device, n));
     PC_TRY(filled(&c, ctx, device, n));
     for (int repeat = -1; repeat < repeats; repeat++) {
-        PC_TRY(pc_kernel_run(ctx, kernel, items, chunks ? 1 : 0, bytes,
+        PC_TRY(pc_kernel_run(ctx, kernel, items, pc_chunk_group(device), bytes,
                              PC_ARGS(PC_BUF(a), PC_BUF(b), PC_BUF(c), PC_U32((uint32_t)(n / 8)),
                                      PC_U32(per_item), PC_F64(3))));
         /* The first launch compiles. */

@@ -115,23 +115,6 @@ static pc_status temporary_beside(char **temporary, pc_context *ctx, const char 
     return status;
 }
 
-pc_status pc_file_temporary(char **temporary, pc_context *ctx, const char *path, bool force) {
-    char *place;
-    *temporary = NULL;
-    pc_status status = resolve(&place, ctx, path, force);
-    if (status == PC_OK) status = temporary_beside(temporary, ctx, place);
-    pc_free(ctx, place);
-    return status;
-}
-
-static pc_status sync_file(pc_context *ctx, const char *path) {
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    bool failed = descriptor < 0 || fsync(descriptor) != 0;
-    pc_status status = failed ? fail_errno(ctx, path, "cannot be synced to the disk") : PC_OK;
-    if (descriptor >= 0) (void)close(descriptor);
-    return status;
-}
-
 /* So that the name itself is on the disk. Some file systems cannot do that: the content is safe by then. */
 static void sync_folder(const char *folder) {
     int descriptor = open(folder, O_DIRECTORY | O_RDONLY | O_CLOEXEC);
@@ -161,18 +144,6 @@ static pc_status put_in_place(pc_context *ctx, const char *temporary, const char
         status = fail_errno(ctx, place, "cannot be put in place");
     if (status == PC_OK) sync_folder(folder);
     pc_free(ctx, folder);
-    return status;
-}
-
-pc_status pc_file_publish(pc_context *ctx, const char *temporary, const char *path, bool force) {
-    pc_status status = PC_OK;
-    char *place = NULL;
-    PC_TRY(resolve(&place, ctx, path, force));
-    PC_TRY(sync_file(ctx, temporary));
-    PC_TRY(put_in_place(ctx, temporary, place, force));
-done:
-    if (status != PC_OK) (void)unlink(temporary);
-    pc_free(ctx, place);
     return status;
 }
 

@@ -38,10 +38,4 @@ pc_status pc_writer_commit(pc_writer *writer);
  */
 void pc_writer_abandon(pc_writer *writer);
 
-/* For libraries that write files by themselves: a name beside `path` to write to (pc_free it), and then: sync
- * it, put it in place, sync the folder. Publishing removes the temporary file also where it fails. Same
- * errors as the writer. */
-pc_status pc_file_temporary(char **temporary, pc_context *ctx, const char *path, bool force);
-pc_status pc_file_publish(pc_context *ctx, const char *temporary, const char *path, bool force);
-
 #endif

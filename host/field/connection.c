@@ -1,4 +1,5 @@
 #include "connection.h"
+#include "geometry.h"
 #include "memory.h"
 #include "vec3.h"
 #include <stdbool.h>
@@ -9,11 +10,6 @@ static pc_vec3 along(const pc_mesh *mesh, pc_index h) {
 
 static pc_vec3 face_normal(const pc_mesh *mesh, pc_index h) {
     return pc_cross(along(mesh, h), pc_scale(-1, along(mesh, pc_prev(h))));
-}
-
-static double corner_angle(const pc_mesh *mesh, pc_index h) {
-    pc_vec3 a = along(mesh, h), b = pc_scale(-1, along(mesh, pc_prev(h)));
-    return atan2(pc_norm(pc_cross(a, b)), pc_dot(a, b));
 }
 
 static double corner_cotangent(const pc_mesh *mesh, pc_index h) {
@@ -41,7 +37,7 @@ static void spread_angles(pc_connection *c, const pc_mesh *mesh, const pc_adjace
     if (first == PC_NONE) return;
     do {
         c->angle[h] = sum;
-        sum += corner_angle(mesh, h);
+        sum += pc_corner_angle(mesh, h);
         n = pc_add(n, face_normal(mesh, h));
         count++;
         h = pc_turn_ccw(a, h);

@@ -1,5 +1,6 @@
 #include "layout.h"
 #include "cells.h"
+#include "geometry.h"
 #include "memory.h"
 #include "overlay.h"
 #include "vec3.h"
@@ -171,19 +172,12 @@ done:
 
 /* ---- cells ---- */
 
-static double corner_angle(const pc_mesh *mesh, pc_index h) {
-    pc_vec3 p = pc_vec3_at(mesh->position, pc_tail(mesh, h));
-    pc_vec3 u = pc_sub(pc_vec3_at(mesh->position, pc_head(mesh, h)), p);
-    pc_vec3 v = pc_sub(pc_vec3_at(mesh->position, pc_tail(mesh, pc_prev(h))), p);
-    return atan2(pc_norm(pc_cross(u, v)), pc_dot(u, v));
-}
-
 /* The angle inside the cell at the tail of the rim half-edge h. */
 static double rim_angle(const reading *r, pc_index h) {
-    double angle = corner_angle(r->mesh, h);
+    double angle = pc_corner_angle(r->mesh, h);
     for (pc_index g = pc_prev(h); !is_wall(r, g);) {
         g = r->adjacency->twin[g];
-        angle += corner_angle(r->mesh, g);
+        angle += pc_corner_angle(r->mesh, g);
         g = pc_prev(g);
     }
     return angle;

@@ -8,8 +8,8 @@
 
 typedef struct pc_sizing_options {
     double edge_length; /* of the quads where scale is 1, model units */
-    double
-        period_length; /* of the parameterization: no scale may make an edge of the scan half of it or more */
+    /* Of the parameterization: no scale may make an edge of the scan half of it or more. */
+    double period_length;
     double reach; /* scan vertices farther than this many local edge lengths from the quads want finer ones */
     double floor; /* ... but not nearer than this many edge lengths as asked */
     bool walls;   /* nearer also where walls or gaps are thin: than 0.4 of their thickness */

@@ -34,6 +34,12 @@ double pc_angle(pc_vec3 u, pc_vec3 v) {
     return atan2(pc_norm(pc_cross(u, v)), pc_dot(u, v));
 }
 
+double pc_corner_angle(const pc_mesh *mesh, pc_index h) {
+    const pc_vec3 at = pc_vec3_at(mesh->position, pc_tail(mesh, h));
+    return pc_angle(pc_sub(pc_vec3_at(mesh->position, pc_head(mesh, h)), at),
+                    pc_sub(pc_vec3_at(mesh->position, pc_tail(mesh, pc_prev(h))), at));
+}
+
 double pc_cotangent(pc_vec3 u, pc_vec3 v) {
     u = near_one(u), v = near_one(v);
     double along = pc_dot(u, v), across = pc_norm(pc_cross(u, v));

@@ -30,6 +30,8 @@ double pc_cotangent(pc_vec3 u, pc_vec3 v);
  */
 pc_vec3 pc_triangle_normal(pc_vec3 a, pc_vec3 b, pc_vec3 c);
 double pc_triangle_area(pc_vec3 a, pc_vec3 b, pc_vec3 c);
+/* The angle of the face of half-edge h at the tail of h. */
+double pc_corner_angle(const pc_mesh *mesh, pc_index h);
 /* The three angles, which sum to pi: also of collinear (0, 0, pi) and of coincident corners. */
 void pc_triangle_angles(double angle[3], pc_vec3 a, pc_vec3 b, pc_vec3 c);
 

@@ -1,7 +1,7 @@
 #include "ragged.h"
-#include "adjacency.h"
+#include "geometry.h"
 #include "memory.h"
-#include "vec3.h"
+#include "topology.h"
 #include <string.h>
 
 enum { WINDOW = 8 }; /* border edges on each side that tell whether a place is ragged */
@@ -38,48 +38,34 @@ static pc_vec3 point(const filling *f, pc_index p) {
     return pc_vec3_at(f->mesh->position, f->place[p].vertex);
 }
 
-static double angle_between(pc_vec3 a, pc_vec3 b) {
-    return atan2(pc_norm(pc_cross(a, b)), pc_dot(a, b));
-}
-
 static double angle_at(pc_vec3 at, pc_vec3 a, pc_vec3 b) {
-    return angle_between(pc_sub(a, at), pc_sub(b, at));
+    return pc_angle(pc_sub(a, at), pc_sub(b, at));
 }
 
 static double fan_angle(const filling *f, pc_index v) {
-    const pc_mesh *mesh = f->mesh;
-    const pc_vec3 at = pc_vec3_at(mesh->position, v);
     double sum = 0;
     for (pc_index h = f->adjacency->vertex_half[v]; h != PC_NONE; h = pc_turn_ccw(f->adjacency, h))
-        sum += angle_at(at, pc_vec3_at(mesh->position, pc_head(mesh, h)),
-                        pc_vec3_at(mesh->position, pc_tail(mesh, pc_prev(h))));
+        sum += pc_corner_angle(f->mesh, h);
     return sum;
-}
-
-static pc_vec3 normal_of(pc_vec3 a, pc_vec3 b, pc_vec3 c) {
-    return pc_unit(pc_cross(pc_sub(b, a), pc_sub(c, a)));
 }
 
 static pc_vec3 face_normal(const pc_mesh *mesh, pc_index face) {
     const pc_index *t = mesh->triangle + 3 * (size_t)face;
-    return normal_of(pc_vec3_at(mesh->position, t[0]), pc_vec3_at(mesh->position, t[1]),
-                     pc_vec3_at(mesh->position, t[2]));
+    return pc_triangle_normal(pc_vec3_at(mesh->position, t[0]), pc_vec3_at(mesh->position, t[1]),
+                              pc_vec3_at(mesh->position, t[2]));
 }
 
-/* Places from `first` on: the border that half-edge h is on. */
-static void follow_border(filling *f, pc_index h, uint8_t *seen) {
+static void add_border(filling *f, const pc_index *half, pc_index count) {
     const pc_index first = f->place_count;
-    for (pc_index g = h; !seen[g]; g = f->adjacency->vertex_half[pc_head(f->mesh, g)]) {
-        const pc_index v = pc_tail(f->mesh, g), p = f->place_count++;
-        seen[g] = 1;
-        f->place[p] = (place){.vertex = v,
-                              .before = p - 1,
-                              .after = p + 1,
-                              .inside = fan_angle(f, v),
-                              .normal = face_normal(f->mesh, g / 3)};
+    for (pc_index k = 0; k < count; k++) {
+        const pc_index v = pc_tail(f->mesh, half[k]);
+        f->place[first + k] = (place){.vertex = v,
+                                      .before = first + (k + count - 1) % count,
+                                      .after = first + (k + 1) % count,
+                                      .inside = fan_angle(f, v),
+                                      .normal = face_normal(f->mesh, half[k] / 3)};
     }
-    f->place[first].before = f->place_count - 1;
-    f->place[f->place_count - 1].after = first;
+    f->place_count += count;
 }
 
 /* How much more the border turns to and fro around p than it turns in all, per vertex: nothing along circles,
@@ -100,21 +86,21 @@ static double raggedness(const filling *f, pc_index p) {
 
 static pc_status find_places(filling *f, pc_context *ctx) {
     const double least = PC_PI / 9;
-    const pc_mesh *mesh = f->mesh;
     pc_status status = PC_OK;
-    uint8_t *seen = NULL;
+    pc_topology topology = {0};
     double length = 0;
-    PC_TRY(pc_new(&seen, ctx, 3 * (size_t)mesh->face_count));
+    PC_TRY(pc_topology_make(&topology, ctx, f->mesh, f->adjacency));
     PC_TRY(pc_new(&f->place, ctx, f->adjacency->boundary_edge_count));
-    for (pc_index h = 0; h < 3 * mesh->face_count; h++)
-        if (f->adjacency->twin[h] == PC_NONE && !seen[h]) follow_border(f, h, seen);
+    for (pc_index l = 0; l < topology.loop_count; l++)
+        add_border(f, topology.loop_half + topology.loop_start[l],
+                   topology.loop_start[l + 1] - topology.loop_start[l]);
     for (pc_index p = 0; p < f->place_count; p++) {
         f->place[p].ragged = raggedness(f, p) > least;
         length += pc_distance(point(f, p), point(f, f->place[p].after));
     }
     f->most = 4 * length / f->place_count;
 done:
-    pc_free(ctx, seen);
+    pc_topology_free(&topology, ctx);
     return status;
 }
 
@@ -151,7 +137,7 @@ static bool fills(const filling *f, pc_index p, double limit) {
     if (fabs(2 * PC_PI - at->inside - gap) > PC_PI / 3) return false; /* the surface is not flat there */
     const bool closes = after->after == at->before;
     if (!closes && (pc_distance(a, c) > f->most || is_edge(f, before->vertex, after->vertex))) return false;
-    const pc_vec3 normal = normal_of(b, a, c);
+    const pc_vec3 normal = pc_triangle_normal(b, a, c);
     if (pc_dot(normal, before->normal) < steepest || pc_dot(normal, at->normal) < steepest) return false;
     for (int k = 0; k < NEARBY; k++) {
         before = f->place + before->before, after = f->place + after->after;
@@ -177,7 +163,7 @@ static void fill(filling *f, pc_index p) {
     add_edge(f, before->vertex, after->vertex);
     add_edge(f, after->vertex, before->vertex);
     before->inside += angle_at(a, b, c), after->inside += angle_at(c, a, b);
-    before->normal = normal_of(b, a, c);
+    before->normal = pc_triangle_normal(b, a, c);
     before->after = at->after, after->before = at->before;
 }
 

@@ -1,7 +1,6 @@
 #include "occlusion.h"
 #include "memory.h"
 #include "pick.h"
-#include "random.h"
 
 /* Rows of pixels sorted by column modulo PHASES: what a pixel looks at depends on its place in a pattern of
  * PHASES x PHASES, so that the pixels of one phase, which lie beside each other here, look at pixels that do
@@ -75,7 +74,7 @@ static void take_row(const heights *h, const pc_picture *picture, const pc_pane 
 static void make_offsets(offset table[PHASES * PHASES][PAIRS], float unit) {
     static const float radius[RADII] = {1.0F, 2.6F, 6.5F, 15.0F};
     static const float weight[RADII] = {0.6F, 0.9F, 1.1F, 1.1F};
-    for (int pattern = 0; pattern < 16; pattern++)
+    for (int pattern = 0; pattern < PHASES * PHASES; pattern++)
         for (int k = 0; k < PAIRS; k++) {
             offset *o = &table[pattern][k];
             int ring = k / 3, spoke = k % 3;

@@ -262,7 +262,7 @@ static pc_status product_part(pc_devcycle *s, pc_context *ctx, const pc_devmat *
                    (double)part->slices * (passes(mode, o->alpha) * (double)row + (double)rows);
     if (mode >= RESIDUAL)
         bytes += (double)part->slices * (double)rows * pc_form_diagonal(m->form) * (double)sizeof(float);
-    return pc_kernel_run(ctx, s->product, items, s->shape == PC_SHAPE_CHUNK ? 1 : 0, bytes,
+    return pc_kernel_run(ctx, s->product, items, pc_chunk_group(s->device), bytes,
                          PC_ARGS(PC_BUF(part->start), PC_BUF(part->column), PC_BUF(part->value),
                                  PC_BUF(part->exponent), PC_BUF(m->diagonal ? m->diagonal : o->x),
                                  PC_BUF(o->x), PC_BUF(o->b ? o->b : o->x), PC_BUF(o->y), PC_U32(part->first),
@@ -303,10 +303,9 @@ static pc_devcycle *next_on(pc_devcycle *m, int level) {
 
 static pc_status smooth_first(pc_devcycle *s, pc_context *ctx, const pc_devlevel *level, float beta) {
     const size_t rows = pc_devmat_padded(&level->matrix);
-    const bool chunks = s->shape == PC_SHAPE_CHUNK;
-    const size_t per_item = chunks ? 2048 : 1;
+    const size_t per_item = s->shape == PC_SHAPE_CHUNK ? 2048 : 1;
     return pc_kernel_run(
-        ctx, s->first, (rows + per_item - 1) / per_item, chunks ? 1 : 0,
+        ctx, s->first, (rows + per_item - 1) / per_item, pc_chunk_group(s->device),
         (double)rows * (2.0 * s->width + pc_form_diagonal(level->matrix.form)) * sizeof(float),
         PC_ARGS(PC_BUF(level->matrix.diagonal), PC_BUF(level->b), PC_BUF(level->x), PC_U32((uint32_t)rows),
                 PC_U32((uint32_t)s->width), PC_U32((uint32_t)per_item), PC_F32(beta)));

@@ -184,23 +184,6 @@ static void links_stay_links(void **state) {
     compare_text(in_folder("real"), "new");
 }
 
-static void files_of_others_are_published(void **state) {
-    pc_context *ctx = *state;
-    char *temporary;
-    const char *path = in_folder("stage.h5");
-    assert_ok(ctx, pc_file_temporary(&temporary, ctx, path, false));
-    FILE *file = fopen(temporary, "w");
-    assert_non_null(file);
-    (void)fputs("content", file);
-    (void)fclose(file);
-    assert_ok(ctx, pc_file_publish(ctx, temporary, path, false));
-    compare_text(path, "content");
-    assert_int_equal(entry_count(), 1);
-    pc_free(ctx, temporary);
-    assert_int_equal(pc_file_temporary(&temporary, ctx, path, false), PC_E_IO);
-    assert_null(temporary);
-}
-
 static void pipes_are_read_to_their_end(void **state) {
     pc_context *ctx = *state;
     int ends[2];
@@ -227,7 +210,6 @@ int main(void) {
         folder_test(a_file_that_comes_meanwhile_is_kept),
         folder_test(abandoned_and_failed_writers_leave_nothing),
         folder_test(links_stay_links),
-        folder_test(files_of_others_are_published),
         folder_test(pipes_are_read_to_their_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
