@@ -1,4 +1,5 @@
 #include "context_private.h"
+#include "memory.h"
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,16 +8,22 @@ pc_context *pc_context_make(void) {
     pc_context *ctx = calloc(1, sizeof *ctx);
     if (!ctx) return NULL;
     ctx->log_least = PC_LOG_WARNING;
-    if (pthread_mutex_init(&ctx->message_lock, NULL) != 0) {
-        free(ctx);
-        return NULL;
+    if (pthread_mutex_init(&ctx->message_lock, NULL) != 0) goto failed;
+    if (pthread_mutex_init(&ctx->spare.lock, NULL) != 0) {
+        pthread_mutex_destroy(&ctx->message_lock);
+        goto failed;
     }
     return ctx;
+failed:
+    free(ctx);
+    return NULL;
 }
 
 void pc_context_free(pc_context *ctx) {
     if (!ctx) return;
     assert(ctx->used == 0);
+    pc_memory_release(ctx);
+    pthread_mutex_destroy(&ctx->spare.lock);
     pthread_mutex_destroy(&ctx->message_lock);
     free(ctx);
 }

@@ -21,6 +21,8 @@ void pc_free(pc_context *ctx, void *block);
 size_t pc_memory_used(const pc_context *ctx);
 size_t pc_memory_peak(const pc_context *ctx);
 void pc_memory_reset_peak(pc_context *ctx);
+/* Gives back what was freed and kept for the next blocks, as the context does at its end. */
+void pc_memory_release(pc_context *ctx);
 /* Tests: let the n-th next allocation fail (0: none). */
 void pc_memory_fail_at(pc_context *ctx, size_t n);
 

@@ -49,8 +49,12 @@ pc_index pc_folds_find(uint8_t *folded, const pc_tspline *spline, const pc_targe
                        const pc_matching *matching, const pc_face_error *error, double tolerance) {
     pc_index count = 0;
     memset(folded, 0, spline->mesh.face_count);
-    for (pc_index v = 0; v < matching->vertices.count; v++)
-        if (is_opposed(matching, spline, target, v)) folded[matching->vertices.spot[v].face] = 1;
+#pragma omp parallel for schedule(static)
+    for (pc_index v = 0; v < matching->vertices.count; v++) {
+        if (!is_opposed(matching, spline, target, v)) continue;
+#pragma omp atomic write
+        folded[matching->vertices.spot[v].face] = 1;
+    }
 #pragma omp parallel for schedule(dynamic, 64) reduction(+ : count)
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
         folded[f] = !spline->mesh.face[f].ghost && (!error || error[f].max > tolerance) &&
@@ -132,8 +136,10 @@ static pc_status cut_out(opening *o, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_mesh *scan = o->target->mesh;
     const pc_basis *basis = &o->spline->basis;
+#pragma omp parallel for schedule(static)
     for (pc_index t = 0; t < o->skin.mesh.face_count; t++)
         o->skin_inside[t] = o->ring[basis->element[o->skin.element[t]].face] != FAR;
+#pragma omp parallel for schedule(static)
     for (pc_index t = 0; t < scan->face_count; t++) {
         bool in = true;
         for (size_t k = 0; k < 3 && in; k++) {
@@ -327,11 +333,13 @@ static pc_status try_disk(bool *opened, opening *o, pc_context *ctx) {
     }
     PC_TRY(status);
     if (!laid) goto done;
+#pragma omp parallel for schedule(dynamic, 64)
     for (pc_index i = 0; i < o->above.mesh.face_count; i++) {
         const pc_index t = o->above.triangle[i];
         const pc_index f = o->spline->basis.element[o->skin.element[t]].face;
         if (t == first_on_face(o, f)) match_feet(o, f);
     }
+#pragma omp parallel for schedule(dynamic, 64)
     for (pc_index v = 0; v < o->below.mesh.vertex_count; v++)
         if (!o->below.adjacency.vertex_boundary[v] ||
             o->target->adjacency->vertex_boundary[o->below.vertex[v]])
@@ -347,6 +355,7 @@ done:
 
 static void find_known(opening *o) {
     const double far = 3;
+#pragma omp parallel for schedule(static)
     for (pc_index v = 0; v < o->matching->vertices.count; v++)
         o->known[v] = o->matching->vertices.spot[v].face != PC_NONE &&
                       (o->target->adjacency->vertex_boundary[v] ||
