@@ -60,10 +60,11 @@ typedef struct adapting {
     pc_face_error *error; /* per face of the present mesh */
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
-    int vain;        /* rounds since it became much better */
-    bool fitted;     /* at least once */
-    bool opened;     /* folds, instead of refining, in the last round */
-    snapshot before; /* ... and what was before that */
+    int vain;         /* rounds since it became much better */
+    bool fitted;      /* at least once */
+    bool opened;      /* folds, instead of refining, in the last round */
+    float *stiffness; /* per face, of the next fits; NULL: all once */
+    snapshot before;  /* ... and what was before that */
 } adapting;
 
 static size_t foot_count(const adapting *a) {
@@ -118,6 +119,8 @@ done:
     return status;
 }
 
+enum { SMOOTHING_ROUNDS = 8 }; /* where something is stiff: more changed little */
+
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
     pc_adapt_stats *stats = a->stats;
@@ -125,6 +128,8 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_fit_options fitting = a->options->fit;
     fitting.within = a->options->tolerance;
     fitting.rough = !a->fitted;
+    fitting.stiffness = a->stiffness;
+    if (a->stiffness && fitting.rounds > SMOOTHING_ROUNDS) fitting.rounds = SMOOTHING_ROUNDS;
     PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fitting));
     PC_TRY(measure(a, ctx));
     if (!a->fitted) stats->first_max = accuracy->max;
@@ -237,7 +242,29 @@ static pc_status go_back(adapting *a, pc_context *ctx) {
                    a->spline->mesh.vertex_count, a->stats->accuracy.max, a->options->tolerance);
 }
 
-/* What surrounds faces beyond the tolerance is as it was before folds were opened, matching included. */
+/* ---- Folds that are within the tolerance ---- */
+
+/* Faces with folded[f], and those that share control points with them. */
+static pc_status stiffen(adapting *a, pc_context *ctx, const uint8_t *folded) {
+    const float factor = 30;
+    pc_status status = PC_OK;
+    const pc_index faces = a->spline->mesh.face_count;
+    pc_region region = {0};
+    double *far = NULL;
+    PC_TRY(pc_new(&far, ctx, faces));
+    for (pc_index f = 0; f < faces; f++)
+        far[f] = folded[f];
+    PC_TRY(pc_region_make(&region, ctx, a->spline, far, 0));
+    PC_TRY(pc_resize(&a->stiffness, ctx, faces));
+    for (pc_index f = 0; f < faces; f++)
+        a->stiffness[f] = region.active[f] ? factor : 1;
+done:
+    pc_region_free(&region, ctx);
+    pc_free(ctx, far);
+    return status;
+}
+
+/* What surrounds faces beyond the tolerance is as it was before, matching included. */
 static pc_status take_back_around(adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_index faces = a->spline->mesh.face_count;
@@ -266,9 +293,9 @@ done:
     return status;
 }
 
-/* Folds that are within the tolerance: one more fit, taken back around what it has brought beyond it, and
- * kept if it leaves fewer. */
-static pc_status polish(adapting *a, pc_context *ctx, pc_device *device) {
+/* One more fit, what is folded stiffer than the rest, and with `open` matched anew; taken back around what
+ * that has brought beyond the tolerance, and altogether if no fewer faces are folded. */
+static pc_status smooth_out(adapting *a, pc_context *ctx, pc_device *device, bool open) {
     enum { TRIES = 3 };
     pc_status status = PC_OK;
     const double tolerance = a->options->tolerance;
@@ -278,7 +305,8 @@ static pc_status polish(adapting *a, pc_context *ctx, pc_device *device) {
     const pc_index before = pc_folds_find(folded, a->spline, a->target, &a->matching, NULL, tolerance);
     if (!before) goto done;
     PC_TRY(take_snapshot(a, ctx, before));
-    PC_TRY(open_folds(a, ctx, folded, false));
+    PC_TRY(stiffen(a, ctx, folded));
+    if (open) PC_TRY(open_folds(a, ctx, folded, false));
     status = fit(a, ctx, device);
     for (int k = 0; k < TRIES && status == PC_OK && a->stats->accuracy.max > tolerance; k++)
         status = take_back_around(a, ctx);
@@ -311,7 +339,8 @@ pc_status pc_adapt(pc_tspline *spline, pc_adapt_stats *stats, pc_context *ctx, p
         }
         PC_TRY(status);
         if (stats->accuracy.max <= options->tolerance) {
-            status = polish(&a, ctx, device);
+            PC_TRY(smooth_out(&a, ctx, device, false));
+            status = smooth_out(&a, ctx, device, true);
             goto done;
         }
         PC_TRY(remember(&a, ctx));
@@ -326,6 +355,7 @@ done:
     pc_matching_free(&a.matching, ctx);
     pc_tspline_free(&a.best, ctx);
     drop_snapshot(&a.before, ctx);
+    pc_free(ctx, a.stiffness);
     pc_free(ctx, a.error);
     return status;
 }

@@ -20,13 +20,16 @@ static void make_plate(double plate[48]) {
     }
 }
 
-void pc_energy_bending(double factor[3], const pc_tspline *spline, pc_index e, double fairness) {
+void pc_energy_bending(double factor[3], const pc_energy *energy, pc_index e, double fairness) {
+    const pc_tspline *spline = energy->spline;
+    const pc_index f = spline->basis.element[e].face;
     double part[2];
     pc_tspline_part(part, spline, e);
     const double a = part[0], b = part[1];
     /* Bending of the unit square falls with the fourth power of a face's size, and would let small faces
      * fold. */
-    const double *size = spline->mesh.face[spline->basis.element[e].face].size;
+    const double *size = spline->mesh.face[f].size;
+    if (energy->stiffness) fairness *= (double)energy->stiffness[f];
     fairness /= sqrt(size[0] * size[1]);
     factor[0] = fairness * b / (a * a * a);
     factor[1] = fairness * 2 / (a * b);
@@ -291,7 +294,7 @@ static void fill_local(double *local, double *tally, const pc_energy *energy, pc
         add_pull(local, tally, bezier, u, v, sample);
         add_moments(local + PC_LOCAL_MOMENT, u, v, sample->weight);
     }
-    pc_energy_bending(local + PC_LOCAL_BENDING, energy->spline, e, work->fairness);
+    pc_energy_bending(local + PC_LOCAL_BENDING, energy, e, work->fairness);
     for (int k = 0; k < 3; k++) {
         double x[16], y[16] = {0};
         for (int i = 0; i < 16; i++)

@@ -34,6 +34,7 @@ enum {
 /* A system whose graph stays while samples and control points change. */
 typedef struct pc_energy {
     const pc_tspline *spline; /* borrowed; its mesh and basis do not change */
+    const float *stiffness;   /* per face: how many times as stiff it is; borrowed, NULL: once */
     pc_index row_count;       /* free control points that have a function on the surface */
     pc_index *vertex;         /* per row, ascending */
     pc_index *row;            /* per vertex; PC_NONE where it stays where it is */
@@ -79,6 +80,6 @@ typedef struct pc_energy_work {
 /* Local sums and rows by kernels/fit.cl; pc_energy_fill calls it. */
 pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device, const pc_energy_work *work);
 /* The factors of the bending's terms on an element. */
-void pc_energy_bending(double factor[3], const pc_tspline *spline, pc_index e, double fairness);
+void pc_energy_bending(double factor[3], const pc_energy *energy, pc_index e, double fairness);
 
 #endif

@@ -109,7 +109,7 @@ static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, 
             to[5] = s->weight;
         }
         memcpy(bezier + 48 * (size_t)k, spline->bezier + 48 * (size_t)e, 48 * sizeof *bezier);
-        pc_energy_bending(bending + 3 * (size_t)k, spline, e, work->fairness);
+        pc_energy_bending(bending + 3 * (size_t)k, energy, e, work->fairness);
     }
     const size_t n = p->element_count;
     PC_TRY(pc_buffer_from(&b->first, ctx, device, first, (n + 1) * sizeof *first));

@@ -100,14 +100,17 @@ static bool region_is_due(const fitting *f) {
 }
 
 /* The system for what moves now; `far` is the largest distance per face, NULL to move everything. */
-static pc_status start_region(fitting *f, pc_context *ctx, const double *far) {
+static pc_status start_region(fitting *f, pc_context *ctx, double *far) {
     const double limit = 0.8; /* of the distance that is wanted */
     pc_status status = PC_OK;
     pc_region_free(&f->region, ctx);
     pc_energy_free(&f->energy, ctx);
     pc_free(ctx, f->move), f->move = NULL;
+    for (pc_index i = 0; far && f->options->stiffness && i < f->spline->mesh.face_count; i++)
+        if (f->options->stiffness[i] > 1) far[i] = INFINITY;
     if (far) PC_TRY(pc_region_make(&f->region, ctx, f->spline, far, limit * f->options->within));
     PC_TRY(pc_energy_make(&f->energy, ctx, f->spline, f->region.free));
+    f->energy.stiffness = f->options->stiffness;
     f->stats->moved = f->energy.row_count;
     PC_TRY(pc_new(&f->move, ctx, 3 * (size_t)f->stats->moved));
 done:
