@@ -16,9 +16,11 @@ typedef struct scene {
     pc_sample *sample;
     size_t count;
     uint8_t *free;
+    float *stiffness;
 } scene;
 
-/* A sphere with T-junctions, random samples, some elements with none, some control points held. */
+/* A sphere with T-junctions, random samples, some elements with none, some control points held, faces of any
+ * stiffness. */
 static void open_scene(scene *s, pc_context *ctx) {
     const pc_tmesh_options making = PC_TMESH_DEFAULTS;
     pc_random random = {3};
@@ -36,6 +38,9 @@ static void open_scene(scene *s, pc_context *ctx) {
     assert_ok(ctx, pc_new(&s->free, ctx, basis->vertex_count));
     for (pc_index v = 0; v < basis->vertex_count; v++)
         s->free[v] = v % 5 != 0;
+    assert_ok(ctx, pc_new(&s->stiffness, ctx, s->spline.mesh.face_count));
+    for (pc_index f = 0; f < s->spline.mesh.face_count; f++)
+        s->stiffness[f] = (float)(1 + 30 * pc_random_uniform(&random));
     for (pc_index e = 0; e < basis->element_count; e++) {
         const pc_element *element = basis->element + e;
         for (pc_index k = 0; k < e % 9; k++) {
@@ -55,6 +60,7 @@ static void close_scene(scene *s, pc_context *ctx) {
     pc_tspline_free(&s->spline, ctx);
     pc_free(ctx, s->sample);
     pc_free(ctx, s->free);
+    pc_free(ctx, s->stiffness);
 }
 
 static void compare(const char *what, const double *expected, const double *got, size_t count) {
@@ -69,6 +75,7 @@ static void compare(const char *what, const double *expected, const double *got,
 static void fill(pc_energy *energy, pc_energy_facts *facts, pc_context *ctx, pc_device *device,
                  const scene *s) {
     assert_ok(ctx, pc_energy_make(energy, ctx, &s->spline, s->free));
+    energy->stiffness = s->stiffness;
     assert_ok(ctx, pc_energy_fill(energy, facts, ctx, device, s->sample, s->count, 1e-3));
 }
 
