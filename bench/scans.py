@@ -16,12 +16,14 @@ import tempfile
 HEAD = ("scan", "triangles", "exit code", "quads", "irregular", "field singularities", "tries",
         "distance: mean, largest (% of the diagonal)", "seconds", "CPU s", "peak, MB", "what the result misses")
 
-SPLINE_HEAD = ("control points", "largest distance of the spline, %", "rounds", "spline, seconds")
+SPLINE_HEAD = ("control points", "largest distance of the spline, %", "rounds", "spline, seconds",
+               "jump of the normals at spokes: mean, largest, degrees")
 
 INTRODUCTION = """# Scans converted at the defaults
 
 Made by `bench/scans.py`. Irregular: inner vertices without four quads. Tries: parameterizations made, for places that wanted finer
-cells. Distance: of points of the scan to the quads. Peak: the most memory that a stage took.
+cells. Distance: of points of the scan to the quads. Peak: the most memory that a stage took. Spokes: edges of a spline that leave
+extraordinary vertices.
 """
 
 
@@ -49,9 +51,9 @@ def row(program, scan, options, folder):
 def spline_cells(stages, figures):
     if "spline" not in stages:
         return ()
-    facts = stages["spline"]["facts"]
+    facts, spoke = stages["spline"]["facts"], figures["spline"]["jumps"]["spoke"]
     return (f"{facts['control_points']:,}", f"{100 * figures['spline']['distance']['max']:.3f}", facts["rounds"],
-            f"{stages['spline']['seconds']:.1f}")
+            f"{stages['spline']['seconds']:.1f}", f"{spoke['normal_mean_degrees']:.2f}, {spoke['normal_max_degrees']:.0f}")
 
 
 def main():

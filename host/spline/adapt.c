@@ -119,7 +119,7 @@ done:
     return status;
 }
 
-enum { SMOOTHING_ROUNDS = 8 }; /* where something is stiff: more changed little */
+enum { SMOOTHING_ROUNDS = 12 }; /* where something is stiff: more changed little */
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
@@ -296,7 +296,7 @@ done:
 /* One more fit, what is folded stiffer than the rest, and with `open` matched anew; taken back around what
  * that has brought beyond the tolerance, and altogether if no fewer faces are folded. */
 static pc_status smooth_out(adapting *a, pc_context *ctx, pc_device *device, bool open) {
-    enum { TRIES = 3 };
+    enum { TRIES = 8 };
     pc_status status = PC_OK;
     const double tolerance = a->options->tolerance;
     const pc_adapt_stats stats = *a->stats;
