@@ -148,12 +148,15 @@ done:
 }
 
 static pc_status write_pictures(pc_album *album, pc_run *run) {
+    static const pc_preview_kind order[PC_PREVIEW_COUNT] = {
+        PC_PREVIEW_SCAN,  PC_PREVIEW_FIELD,   PC_PREVIEW_CURVATURE, PC_PREVIEW_ISOLINES, PC_PREVIEW_LAYOUT,
+        PC_PREVIEW_QUADS, PC_PREVIEW_SURFACE, PC_PREVIEW_ZEBRA,     PC_PREVIEW_ERROR};
     const bool needs_mesh = finished(run, PC_STAGE_MESH);
     pc_status status = PC_OK;
     if (!run->options->pictures || !needs_mesh) return PC_OK;
     PC_TRY(pc_stage_hold(run, PC_STAGE_MESH));
     for (int what = 0; what < PC_PREVIEW_COUNT; what++) {
-        const pc_preview_kind kind = (pc_preview_kind)what;
+        const pc_preview_kind kind = order[what];
         const pc_stage_id stage = pc_preview_stage(kind);
         if (!finished(run, stage)) continue;
         PC_TRY(pc_stage_hold(run, stage));

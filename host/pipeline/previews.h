@@ -6,11 +6,10 @@
 #include "picture.h"
 #include "stage.h"
 
-/* In the order in which a run draws them: the field goes over the picture of the scan. */
 typedef enum pc_preview_kind {
     PC_PREVIEW_SCAN,
-    PC_PREVIEW_FIELD,
     PC_PREVIEW_CURVATURE,
+    PC_PREVIEW_FIELD,
     PC_PREVIEW_ISOLINES,
     PC_PREVIEW_LAYOUT,
     PC_PREVIEW_QUADS,
