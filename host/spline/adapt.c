@@ -119,7 +119,7 @@ done:
     return status;
 }
 
-enum { SMOOTHING_ROUNDS = 12 }; /* where something is stiff: more changed little */
+enum { SMOOTHING_ROUNDS = 12 }; /* of a fit with stiff faces: more change little */
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
@@ -244,7 +244,7 @@ static pc_status go_back(adapting *a, pc_context *ctx) {
 
 /* ---- Folds that are within the tolerance ---- */
 
-/* Faces with folded[f], and those that share control points with them. */
+/* Faces with folded[f], and those around that share control points with them or with their neighbours. */
 static pc_status stiffen(adapting *a, pc_context *ctx, const uint8_t *folded) {
     const float factor = 30;
     pc_status status = PC_OK;
