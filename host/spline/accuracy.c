@@ -6,30 +6,53 @@ enum { MOST_PER_SIDE = 24 };
 /* One face of the surface. */
 typedef struct measured {
     double max, sum;
-    size_t beyond;
+    size_t samples, beyond;
 } measured;
+
+/* What is between p and the scan; zero past the scan's border. */
+static pc_vec3 take(measured *m, const pc_target *target, pc_vec3 p, pc_index *hint) {
+    const pc_bvh_hit hit = pc_bvh_closest(&target->tree, p, *hint);
+    *hint = hit.face;
+    if (hit.face == PC_NONE || pc_target_on_border(target, hit.face, hit.weight)) {
+        m->beyond++;
+        return (pc_vec3){0, 0, 0};
+    }
+    m->max = fmax(m->max, hit.distance);
+    m->sum += hit.distance;
+    return pc_sub(p, hit.point);
+}
+
+/* Elements beside extraordinary vertices are smaller than the grid's squares, and bend more. */
+static void measure_irregular(measured *m, const pc_tspline *spline, const pc_target *target, pc_index f) {
+    enum { SIDE = 3 };
+    const pc_basis *basis = &spline->basis;
+    pc_index hint = PC_NONE;
+    for (pc_index e = basis->face_start[f]; e < basis->face_start[f + 1]; e++) {
+        const pc_element *element = basis->element + e;
+        for (int i = 0; element->irregular && i < SIDE * SIDE; i++) {
+            const double u = (i % SIDE + 0.5) / SIDE, v = ((double)(i / SIDE) + 0.5) / SIDE; /* NOLINT */
+            const pc_surface_place place = {e, element->low[0] + u * (element->high[0] - element->low[0]),
+                                            element->low[1] + v * (element->high[1] - element->low[1])};
+            (void)take(m, target, pc_tspline_point(spline, place), &hint);
+            m->samples++;
+        }
+    }
+}
 
 /* Samples on a grid, at the corners of its squares too; the residuals' changes from one to the next. */
 static measured measure_face(pc_face_error *error, const pc_tspline *spline, const pc_target *target,
                              pc_index f, int n) {
-    measured m = {0};
+    measured m = {.samples = (size_t)(n * n)};
     pc_vec3 residual[MOST_PER_SIDE * MOST_PER_SIDE];
     const double *size = spline->mesh.face[f].size;
     pc_index hint = PC_NONE;
     for (int i = 0; i < n * n; i++) {
         double u = (double)(i % n) / (n - 1), v = (double)(i / n) / (n - 1); /* NOLINT */
-        pc_vec3 p = pc_tspline_point(spline, pc_tspline_place(spline, f, u * size[0], v * size[1]));
-        pc_bvh_hit hit = pc_bvh_closest(&target->tree, p, hint);
-        hint = hit.face;
-        residual[i] = pc_sub(p, hit.point);
-        if (hit.face == PC_NONE || pc_target_on_border(target, hit.face, hit.weight)) {
-            residual[i] = (pc_vec3){0, 0, 0};
-            m.beyond++;
-            continue;
-        }
-        m.max = fmax(m.max, hit.distance);
-        m.sum += hit.distance;
+        residual[i] =
+            take(&m, target, pc_tspline_point(spline, pc_tspline_place(spline, f, u * size[0], v * size[1])),
+                 &hint);
     }
+    measure_irregular(&m, spline, target, f);
     if (!error) return m;
     error->max = m.max;
     for (int i = 0; i < n * n; i++) {
@@ -53,7 +76,7 @@ static pc_status measure_surface(pc_accuracy *accuracy, pc_face_error *error, pc
             found[f] = measure_face(error ? error + f : NULL, spline, target, f, per_side);
     for (pc_index f = 0; f < faces; f++) {
         if (spline->mesh.face[f].ghost) continue;
-        samples += (size_t)per_side * (size_t)per_side - found[f].beyond;
+        samples += found[f].samples - found[f].beyond;
         accuracy->surface_max = fmax(accuracy->surface_max, found[f].max);
         accuracy->surface_mean += found[f].sum;
         accuracy->beyond += found[f].beyond;
