@@ -23,17 +23,15 @@ static pc_vec3 take(measured *m, const pc_target *target, pc_vec3 p, pc_index *h
 }
 
 /* Elements beside extraordinary vertices are smaller than the grid's squares, and bend more. */
-static void measure_irregular(measured *m, const pc_tspline *spline, const pc_target *target, pc_index f) {
+static void measure_irregular(measured *m, const pc_tspline *spline, const pc_target *target, pc_index f,
+                              pc_index *hint) {
     enum { SIDE = 3 };
     const pc_basis *basis = &spline->basis;
-    pc_index hint = PC_NONE;
     for (pc_index e = basis->face_start[f]; e < basis->face_start[f + 1]; e++) {
-        const pc_element *element = basis->element + e;
-        for (int i = 0; element->irregular && i < SIDE * SIDE; i++) {
+        if (!basis->element[e].irregular) continue;
+        for (int i = 0; i < SIDE * SIDE; i++) {
             const double u = (i % SIDE + 0.5) / SIDE, v = ((double)(i / SIDE) + 0.5) / SIDE; /* NOLINT */
-            const pc_surface_place place = {e, element->low[0] + u * (element->high[0] - element->low[0]),
-                                            element->low[1] + v * (element->high[1] - element->low[1])};
-            (void)take(m, target, pc_tspline_point(spline, place), &hint);
+            (void)take(m, target, pc_tspline_point(spline, pc_element_place(basis, e, u, v)), hint);
             m->samples++;
         }
     }
@@ -52,7 +50,7 @@ static measured measure_face(pc_face_error *error, const pc_tspline *spline, con
             take(&m, target, pc_tspline_point(spline, pc_tspline_place(spline, f, u * size[0], v * size[1])),
                  &hint);
     }
-    measure_irregular(&m, spline, target, f);
+    measure_irregular(&m, spline, target, f, &hint);
     if (!error) return m;
     error->max = m.max;
     for (int i = 0; i < n * n; i++) {

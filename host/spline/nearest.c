@@ -56,13 +56,11 @@ void pc_facets_free(pc_facets *facets, pc_context *ctx) {
 
 pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, const double weight[3]) {
     pc_index n = (pc_index)facets->per_side, e = triangle / (2 * n * n), square = triangle / 2 % (n * n);
-    const pc_element *element = facets->basis->element + e;
     bool upper = triangle % 2;
     double u = upper ? 1 - weight[1] : weight[1], v = upper ? 1 - weight[2] : weight[2];
     const pc_index column = square % n, line = square / n;
     double s = (column + u) / n, t = (line + v) / n;
-    return (pc_surface_place){e, element->low[0] + s * (element->high[0] - element->low[0]),
-                              element->low[1] + t * (element->high[1] - element->low[1])};
+    return pc_element_place(facets->basis, e, s, t);
 }
 
 /* Newton's step for the distance; where its matrix bends the wrong way that of Gauss and Newton. A parameter

@@ -44,6 +44,13 @@ pc_vec3 pc_tspline_point(const pc_tspline *spline, pc_surface_place place);
 /* The place with these parameters of a face. */
 pc_surface_place pc_tspline_place(const pc_tspline *spline, pc_index face, double s, double t);
 
+/* The place on an element where u and v run from 0 to 1 across it. */
+static inline pc_surface_place pc_element_place(const pc_basis *basis, pc_index element, double u, double v) {
+    const pc_element *e = basis->element + element;
+    return (pc_surface_place){element, e->low[0] + u * (e->high[0] - e->low[0]),
+                              e->low[1] + v * (e->high[1] - e->low[1])};
+}
+
 /* How much of its face an element is, along s and along t. */
 static inline void pc_tspline_part(double part[2], const pc_tspline *spline, pc_index element) {
     const pc_element *e = spline->basis.element + element;

@@ -360,11 +360,8 @@ static pc_index folded_points(const pc_tspline *spline) {
     pc_index count = 0;
     for (pc_index e = 0; e < spline->basis.element_count; e++)
         for (int k = 0; k < SIDE * SIDE; k++) {
-            const pc_element *element = spline->basis.element + e;
             const double u = (k % SIDE + 0.5) / SIDE, v = ((double)(k / SIDE) + 0.5) / SIDE; /* NOLINT */
-            const pc_surface_point p = pc_tspline_evaluate(
-                spline, (pc_surface_place){e, element->low[0] + u * (element->high[0] - element->low[0]),
-                                           element->low[1] + v * (element->high[1] - element->low[1])});
+            const pc_surface_point p = pc_tspline_evaluate(spline, pc_element_place(&spline->basis, e, u, v));
             count += pc_cross(p.s, p.t).z < 0;
         }
     return count;
