@@ -9,48 +9,96 @@ typedef struct measured {
     size_t samples, beyond;
 } measured;
 
+/* How far p is from the scan; -1 past the scan's border. */
+static double distance_at(const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
+    *hit = pc_bvh_closest(&target->tree, p, hit->face);
+    return hit->face == PC_NONE || pc_target_on_border(target, hit->face, hit->weight) ? -1 : hit->distance;
+}
+
 /* What is between p and the scan; zero past the scan's border. */
-static pc_vec3 take(measured *m, const pc_target *target, pc_vec3 p, pc_index *hint) {
-    const pc_bvh_hit hit = pc_bvh_closest(&target->tree, p, *hint);
-    *hint = hit.face;
-    if (hit.face == PC_NONE || pc_target_on_border(target, hit.face, hit.weight)) {
+static pc_vec3 take(measured *m, const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
+    const double distance = distance_at(target, p, hit);
+    m->samples++;
+    if (distance < 0) {
         m->beyond++;
         return (pc_vec3){0, 0, 0};
     }
-    m->max = fmax(m->max, hit.distance);
-    m->sum += hit.distance;
-    return pc_sub(p, hit.point);
+    m->max = fmax(m->max, distance);
+    m->sum += distance;
+    return pc_sub(p, hit->point);
 }
 
 /* Elements beside extraordinary vertices are smaller than the grid's squares, and bend more. */
 static void measure_irregular(measured *m, const pc_tspline *spline, const pc_target *target, pc_index f,
-                              pc_index *hint) {
+                              pc_bvh_hit *hit) {
     enum { SIDE = 3 };
     const pc_basis *basis = &spline->basis;
     for (pc_index e = basis->face_start[f]; e < basis->face_start[f + 1]; e++) {
         if (!basis->element[e].irregular) continue;
         for (int i = 0; i < SIDE * SIDE; i++) {
             const double u = (i % SIDE + 0.5) / SIDE, v = ((double)(i / SIDE) + 0.5) / SIDE; /* NOLINT */
-            (void)take(m, target, pc_tspline_point(spline, pc_element_place(basis, e, u, v)), hint);
-            m->samples++;
+            (void)take(m, target, pc_tspline_point(spline, pc_element_place(basis, e, u, v)), hit);
         }
     }
 }
 
-/* Samples on a grid, at the corners of its squares too; the residuals' changes from one to the next. */
-static measured measure_face(pc_face_error *error, const pc_tspline *spline, const pc_target *target,
-                             pc_index f, int n) {
-    measured m = {.samples = (size_t)(n * n)};
-    pc_vec3 residual[MOST_PER_SIDE * MOST_PER_SIDE];
+/* Uphill from a sample at (s, t) of face f, whose neighbours on the grid are no farther off: in steps of half
+ * the grid's, then of a quarter and so on. The sums keep to the grid. */
+static void climb(measured *m, const pc_tspline *spline, const pc_target *target, pc_index f, double s,
+                  double t, double distance, const double spacing[2]) {
+    enum { HALVINGS = 3, MOST_STEPS = 4 };
     const double *size = spline->mesh.face[f].size;
-    pc_index hint = PC_NONE;
-    for (int i = 0; i < n * n; i++) {
-        double u = (double)(i % n) / (n - 1), v = (double)(i / n) / (n - 1); /* NOLINT */
-        residual[i] =
-            take(&m, target, pc_tspline_point(spline, pc_tspline_place(spline, f, u * size[0], v * size[1])),
-                 &hint);
+    pc_bvh_hit hit = {.face = PC_NONE};
+    double step[2] = {spacing[0], spacing[1]};
+    for (int k = 0; k < HALVINGS; k++) {
+        step[0] /= 2, step[1] /= 2;
+        for (int n = 0; n < MOST_STEPS; n++) {
+            double best = distance, at[2] = {s, t};
+            for (int way = 0; way < 8; way++) {
+                const int i = way < 4 ? way : way + 1; /* of the 3 x 3 around, but the middle */
+                const double u = fmin(fmax(s + (i % 3 - 1) * step[0], 0), size[0]); /* NOLINT */
+                const double v = fmin(fmax(t + (i / 3 - 1) * step[1], 0), size[1]); /* NOLINT */
+                const double d =
+                    distance_at(target, pc_tspline_point(spline, pc_tspline_place(spline, f, u, v)), &hit);
+                if (d > best) best = d, at[0] = u, at[1] = v;
+            }
+            if (!(best > distance)) break;
+            distance = best, s = at[0], t = at[1];
+        }
     }
-    measure_irregular(&m, spline, target, f, &hint);
+    m->max = fmax(m->max, distance);
+}
+
+/* Whether no neighbour of sample i on the grid is farther from the scan. */
+static bool is_summit(const double *distance, int i, int n) {
+    for (int r = -1; r <= 1; r++)
+        for (int c = -1; c <= 1; c++) {
+            const int column = i % n + c, row = i / n + r;
+            if (column < 0 || column >= n || row < 0 || row >= n) continue;
+            if (distance[row * n + column] > distance[i]) return false;
+        }
+    return true;
+}
+
+/* Samples on a grid, at the corners of its squares too, and uphill from them where they find more than
+ * `near`; the residuals' changes from one to the next. */
+static measured measure_face(pc_face_error *error, const pc_tspline *spline, const pc_target *target,
+                             pc_index f, int n, double near) {
+    measured m = {0};
+    pc_vec3 residual[MOST_PER_SIDE * MOST_PER_SIDE];
+    double distance[MOST_PER_SIDE * MOST_PER_SIDE];
+    const double *size = spline->mesh.face[f].size, spacing[2] = {size[0] / (n - 1), size[1] / (n - 1)};
+    pc_bvh_hit hit = {.face = PC_NONE};
+    for (int i = 0; i < n * n; i++) {
+        double s = (i % n) * spacing[0], t = (i / n) * spacing[1]; /* NOLINT */
+        residual[i] = take(&m, target, pc_tspline_point(spline, pc_tspline_place(spline, f, s, t)), &hit);
+        distance[i] = pc_norm(residual[i]);
+    }
+    for (int i = 0; i < n * n; i++)
+        if (distance[i] > near && is_summit(distance, i, n))
+            climb(&m, spline, target, f, (i % n) * spacing[0], (i / n) * spacing[1], distance[i],
+                  spacing); /* NOLINT */
+    measure_irregular(&m, spline, target, f, &hit);
     if (!error) return m;
     error->max = m.max;
     for (int i = 0; i < n * n; i++) {
@@ -62,16 +110,17 @@ static measured measure_face(pc_face_error *error, const pc_tspline *spline, con
 }
 
 static pc_status measure_surface(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
-                                 const pc_tspline *spline, const pc_target *target, int per_side) {
+                                 const pc_tspline *spline, const pc_target *target, int per_side,
+                                 double near) {
     pc_status status = PC_OK;
     measured *found = NULL;
     pc_index faces = spline->mesh.face_count;
     size_t samples = 0;
     PC_TRY(pc_new(&found, ctx, faces));
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(dynamic, 16)
     for (pc_index f = 0; f < faces; f++)
         if (!spline->mesh.face[f].ghost)
-            found[f] = measure_face(error ? error + f : NULL, spline, target, f, per_side);
+            found[f] = measure_face(error ? error + f : NULL, spline, target, f, per_side, near);
     for (pc_index f = 0; f < faces; f++) {
         if (spline->mesh.face[f].ghost) continue;
         samples += found[f].samples - found[f].beyond;
@@ -116,13 +165,13 @@ done:
 
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
                               const pc_tspline *spline, const pc_target *target,
-                              const pc_correspondence *correspondence, int per_side) {
+                              const pc_correspondence *correspondence, int per_side, double near) {
     pc_status status = PC_OK;
     *accuracy = (pc_accuracy){0};
     for (pc_index f = 0; error && f < spline->mesh.face_count; f++)
         error[f] = (pc_face_error){0};
     per_side = per_side < 2 ? 2 : per_side > MOST_PER_SIDE ? MOST_PER_SIDE : per_side;
-    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side));
+    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side, near));
     PC_TRY(measure_scan(accuracy, error, ctx, spline, target, correspondence));
     accuracy->max = fmax(accuracy->scan_max, accuracy->surface_max);
 done:

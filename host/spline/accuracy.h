@@ -23,10 +23,11 @@ typedef struct pc_face_error {
 
 /* `error` (may be NULL) has one entry per face of the T-mesh; a vertex of the scan counts where it belongs by
  * `correspondence`, without it where its nearest point is. `per_side` samples along the side of a face,
- * and 3 x 3 on each element beside an extraordinary vertex. The same bytes for any number of threads.
- * PC_E_NOMEM. */
+ * and 3 x 3 on each element beside an extraordinary vertex; where samples of the grid are farther than `near`
+ * from the scan, the places between them that are farthest are climbed to. The same bytes for any number of
+ * threads. PC_E_NOMEM. */
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
                               const pc_tspline *spline, const pc_target *target,
-                              const pc_correspondence *correspondence, int per_side);
+                              const pc_correspondence *correspondence, int per_side, double near);
 
 #endif

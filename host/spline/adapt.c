@@ -110,11 +110,12 @@ static void go_back_to(adapting *a, const snapshot *s) {
 }
 
 static pc_status measure(adapting *a, pc_context *ctx) {
+    const double near = 0.75 * a->options->tolerance;
     pc_status status = PC_OK;
     pc_free(ctx, a->error), a->error = NULL;
     PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
     PC_TRY(pc_accuracy_measure(&a->stats->accuracy, a->error, ctx, a->spline, a->target,
-                               &a->matching.vertices, a->options->per_side));
+                               &a->matching.vertices, a->options->per_side, near));
 done:
     return status;
 }

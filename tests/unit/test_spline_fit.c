@@ -200,7 +200,7 @@ static void torus_converges(void **state) {
         assert_ok(ctx, pc_matching_make(&matching, ctx, &spline, &s.target, 5));
         options.fairness = 1e-8;
         assert_ok(ctx, pc_fit(&spline, &stats, ctx, s.host, &s.target, &matching, &options));
-        assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s.target, NULL, 5));
+        assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s.target, NULL, 5, 0));
         pc_matching_free(&matching, ctx);
         print_message("torus of %u points: max %.3g, mean %.3g; %u iterations\n", spline.mesh.vertex_count,
                       accuracy.scan_max, accuracy.scan_mean, stats.iterations);
@@ -223,7 +223,7 @@ static double largest_distance(pc_context *ctx, const scene *s, const pc_polymes
     options.within = within;
     options.rounds = 12;
     assert_ok(ctx, pc_fit(&spline, &stats, ctx, s->host, &s->target, &matching, &options));
-    assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s->target, NULL, 5));
+    assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s->target, NULL, 5, 0));
     print_message("%d rounds: largest distance %.3g, mean %.3g\n", stats.rounds, accuracy.max,
                   accuracy.scan_mean);
     if (within > 0) assert_true(stats.rounds < options.rounds && accuracy.max < 1.1 * within);
@@ -250,6 +250,43 @@ static void weights_serve_the_largest_distance(void **state) {
     assert_true(weighted < 0.8 * plain);
     pc_polymesh_free(&quads, ctx);
     close_scene(&s, ctx);
+}
+
+/* A flat surface, and a scan with a low bump between its samples: climbing finds what a far denser grid does.
+ */
+static void summits_between_samples_are_found(void **state) {
+    pc_context *ctx = *state;
+    int hidden = 0;
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        scene s = {0};
+        pc_polymesh quads;
+        pc_tspline spline;
+        pc_accuracy found[3];
+        pc_random random = {seed};
+        const double x = 2 + pc_random_uniform(&random), y = 2 + pc_random_uniform(&random);
+        assert_ok(ctx, pc_synth_plane(&s.scan, ctx, 5, 5, 120, 120));
+        for (pc_index v = 0; v < s.scan.vertex_count; v++) {
+            double *p = s.scan.position + 3 * (size_t)v;
+            p[2] = 0.01 * exp(-(pow(p[0] - x, 2) + pow(p[1] - y, 2)) / 0.03);
+        }
+        open_scene(&s, ctx);
+        assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 5, 5, 6, 6));
+        assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
+        const double near[3] = {INFINITY, 0, INFINITY};
+        const int per_side[3] = {4, 4, 24};
+        for (int k = 0; k < 3; k++)
+            assert_ok(ctx, pc_accuracy_measure(&found[k], NULL, ctx, &spline, &s.target, NULL, per_side[k],
+                                               near[k]));
+        print_message("seed %d: %.4g on a grid, %.4g climbed to, %.4g on a dense grid\n", (int)seed,
+                      found[0].surface_max, found[1].surface_max, found[2].surface_max);
+        assert_true(found[1].surface_max > 0.99 * found[2].surface_max);
+        assert_true(found[1].surface_mean == found[0].surface_mean);
+        hidden += found[0].surface_max < 0.9 * found[1].surface_max;
+        pc_tspline_free(&spline, ctx);
+        pc_polymesh_free(&quads, ctx);
+        close_scene(&s, ctx);
+    }
+    assert_true(hidden > 0);
 }
 
 /* A surface past all borders of a flat scan: it is pulled down to the plane, and back only from farther out
@@ -428,6 +465,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(right_sides_are_gradients, make_context, free_context),
         cmocka_unit_test_setup_teardown(torus_converges, make_context, free_context),
         cmocka_unit_test_setup_teardown(weights_serve_the_largest_distance, make_context, free_context),
+        cmocka_unit_test_setup_teardown(summits_between_samples_are_found, make_context, free_context),
         cmocka_unit_test_setup_teardown(borders_do_not_pull, make_context, free_context),
         cmocka_unit_test_setup_teardown(scale_does_not_matter, make_context, free_context),
         cmocka_unit_test_setup_teardown(borders_are_reached, make_context, free_context),
