@@ -91,6 +91,21 @@ static pc_status check_options(pc_context *ctx, const pc_field_options *o) {
     return PC_OK;
 }
 
+/* All the rest from the angles, which are combed. */
+static pc_status complete(pc_field *field, pc_context *ctx, const pc_mesh *mesh,
+                          const pc_adjacency *adjacency, const pc_connection *connection) {
+    pc_status status = PC_OK;
+    PC_TRY(pc_comb_angles(field->angle, ctx, mesh, adjacency, connection, field->symmetry));
+    for (pc_index v = 0; v < mesh->vertex_count; v++) {
+        pc_connection_direction(field->direction + 3 * (size_t)v, connection, v, field->angle[v]);
+        pc_vec3_put(field->normal, v, pc_vec3_at(connection->normal, v));
+    }
+    PC_TRY(pc_singularity_find(field, ctx, mesh, adjacency, connection));
+    PC_TRY(pc_field_check(field, ctx, mesh, adjacency));
+done:
+    return status;
+}
+
 pc_status pc_field_make(pc_field *field, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                         const pc_adjacency *adjacency, const pc_curvature *curvature,
                         const pc_field_options *options) {
@@ -112,14 +127,35 @@ pc_status pc_field_make(pc_field *field, pc_context *ctx, pc_device *device, con
     PC_TRY(border_data(&d, ctx, mesh, adjacency, &connection, &smooth, options->borders));
     PC_TRY(pc_smooth_field(field->angle, ctx, device, mesh, adjacency, &connection, d.area, d.target,
                            d.weight, &smooth));
-    PC_TRY(pc_comb_angles(field->angle, ctx, mesh, adjacency, &connection, options->symmetry));
-    for (pc_index v = 0; v < mesh->vertex_count; v++) {
-        pc_connection_direction(field->direction + 3 * (size_t)v, &connection, v, field->angle[v]);
-        pc_vec3_put(field->normal, v, pc_vec3_at(connection.normal, v));
-    }
-    PC_TRY(pc_singularity_find(field, ctx, mesh, adjacency, &connection));
-    PC_TRY(pc_field_check(field, ctx, mesh, adjacency));
+    PC_TRY(complete(field, ctx, mesh, adjacency, &connection));
     pc_log(ctx, PC_LOG_INFO, "field: %u singular faces", pc_singularity_count(field));
+done:
+    pc_connection_free(&connection, ctx);
+    free_data(&d, ctx);
+    if (status != PC_OK) pc_field_free(field, ctx);
+    return status;
+}
+
+pc_status pc_field_sample(pc_field *field, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+                          const pc_adjacency *adjacency, const pc_field *given, const pc_index *source) {
+    pc_status status = PC_OK;
+    pc_connection connection = {0};
+    data d = {0};
+    const double edge = pc_geometry_mean_edge(mesh, adjacency);
+    const pc_smooth_options smooth = {given->symmetry,   0.5, 1.5 * edge, 2 * edge, 1, 1e-3,
+                                      PC_SOLVER_DEFAULTS};
+    *field = (pc_field){0};
+    PC_TRY(new_field(field, ctx, mesh, given->symmetry));
+    PC_TRY(new_data(&d, ctx, mesh->vertex_count));
+    PC_TRY(pc_connection_make(&connection, ctx, mesh, adjacency));
+    pc_geometry_vertex_areas(d.area, mesh, 1e-4);
+    for (pc_index v = 0; v < mesh->vertex_count; v++) {
+        const double *direction = given->direction + 3 * (size_t)source[v];
+        set_target(&d, v, pc_connection_angle(&connection, v, direction), 1, given->symmetry);
+    }
+    PC_TRY(pc_smooth_field(field->angle, ctx, device, mesh, adjacency, &connection, d.area, d.target,
+                           d.weight, &smooth));
+    PC_TRY(complete(field, ctx, mesh, adjacency, &connection));
 done:
     pc_connection_free(&connection, ctx);
     free_data(&d, ctx);

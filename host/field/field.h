@@ -47,6 +47,10 @@ typedef struct pc_field_options {
 pc_status pc_field_make(pc_field *field, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                         const pc_adjacency *adjacency, const pc_curvature *curvature,
                         const pc_field_options *options);
+/* The field of `given` on a mesh made of some of its vertices (vertex v here is source[v] there), evened out
+ * over an edge or two, so that a singularity is one there too. Errors as above. */
+pc_status pc_field_sample(pc_field *field, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+                          const pc_adjacency *adjacency, const pc_field *given, const pc_index *source);
 void pc_field_free(pc_field *field, pc_context *ctx);
 /* Directions unit and tangent, turns in range, and the sum of all indices N * chi. PC_E_BUG else. */
 pc_status pc_field_check(const pc_field *field, pc_context *ctx, const pc_mesh *mesh,

@@ -1,7 +1,9 @@
 #include "remesh.h"
 #include "collapse.h"
+#include "geometry.h"
 #include "memory.h"
 #include "mosaic_quads.h"
+#include "pilot.h"
 #include "room.h"
 #include "sizing.h"
 #include "strips.h"
@@ -16,6 +18,11 @@ static const double FAR_OFF = 0.15; /* strips cannot make up for more */
 static const double MOST_FINER = 6; /* cells, for the sake of a coarser rest */
 static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are not worth another round */
 static const double LOST = 1.4;     /* times the reach: a part of the scan that far off is lost */
+static const double LOST_ALTOGETHER =
+    2; /* ... and worth a try on a scan that likenesses have been tried on */
+static const double WORTHWHILE =
+    0.9;                  /* of the distance before: a round of refinement that comes to more was in vain */
+enum { LARGE = 1000000 }; /* faces: another try costs as much as all before it */
 
 /* Flags also the faces that share a vertex with a flagged one. */
 static pc_status flag_around(uint8_t *flag, pc_context *ctx, const pc_polymesh *quads) {
@@ -134,26 +141,35 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
-    double *base;  /* the scale before any refinement: curl correction, and room for singularities */
-    double period; /* that the scale belongs to */
+    double *base;   /* the scale before any refinement: curl correction, and room for singularities */
+    double period;  /* that the scale belongs to */
+    double nominal; /* the period of cells that are all as large, for the wanted count */
+    bool piloted;   /* both have been found on likenesses of the scan */
+    struct remeshing *whole; /* that this is a likeness of, or NULL */
+    pc_pilot pilot;
 } remeshing;
 
-/* Another period. Places that have been refined follow it only half: what was found there would be lost
- * again. */
+/* The scale of a vertex at a period `change` times as long. Places that have been refined follow it only
+ * half: what was found there would be lost again. */
+static double scale_at(const remeshing *r, pc_index v, double change) {
+    const double finer = r->scale[v] / r->base[v];
+    if (!(finer > 1)) return r->scale[v];
+    return r->base[v] * fmax(1, fmin(finer * pow(change, fmin(0.5, finer - 1)), fmax(finer, MOST_FINER)));
+}
+
 static void set_period(remeshing *r, double period) {
     const double change = period / r->period;
-    for (pc_index v = 0; v < r->mesh->vertex_count; v++) {
-        double finer = r->scale[v] / r->base[v];
-        if (finer > 1)
-            r->scale[v] = r->base[v] *
-                          fmax(1, fmin(finer * pow(change, fmin(0.5, finer - 1)), fmax(finer, MOST_FINER)));
-    }
+    for (pc_index v = 0; v < r->mesh->vertex_count; v++)
+        r->scale[v] = scale_at(r, v, change);
     r->period = period;
-    /* It must not meet an edge of half of it. */
+}
+
+/* No cell may meet an edge of half its side. */
+static void limit_by_edges(remeshing *r) {
     for (pc_index e = 0; e < r->adjacency->edge_count; e++) {
         pc_index h = r->adjacency->edge_half[e], a = pc_tail(r->mesh, h), b = pc_head(r->mesh, h);
-        double most =
-            0.48 * period / pc_distance(pc_vec3_at(r->mesh->position, a), pc_vec3_at(r->mesh->position, b));
+        double most = 0.48 * r->period /
+                      pc_distance(pc_vec3_at(r->mesh->position, a), pc_vec3_at(r->mesh->position, b));
         r->scale[a] = fmin(r->scale[a], most), r->scale[b] = fmin(r->scale[b], most);
     }
 }
@@ -163,6 +179,34 @@ static double largest(const double *scale, pc_index count) {
     for (pc_index v = 0; v < count; v++)
         most = fmax(most, scale[v]);
     return most;
+}
+
+/* How many cells a period would give if all were as large as asked; `area`: per vertex. */
+static double cells_asked(const remeshing *r, const double *area, double period) {
+    double sum = 0;
+    for (pc_index v = 0; v < r->mesh->vertex_count; v++)
+        sum += area[v] * pow(scale_at(r, v, period / r->period) / period, 2);
+    return sum;
+}
+
+/* The period at which that is `cells`, or with 0 how many cells the present one asks for. */
+static pc_status period_for(double *period, double *cells, const remeshing *r) {
+    enum { STEPS = 8 };
+    pc_status status = PC_OK;
+    double *area = NULL, slope = -2;
+    PC_TRY(pc_new(&area, r->ctx, r->mesh->vertex_count));
+    pc_geometry_vertex_areas(area, r->mesh, 1e-6);
+    double at = r->period, asked = cells_asked(r, area, at);
+    if (*cells <= 0) *cells = asked;
+    for (int k = 0; k < STEPS && fabs(log(asked / *cells)) > 1e-3; k++) { /* secants of the logarithms */
+        const double next = at * exp(log(*cells / asked) / slope), there = cells_asked(r, area, next);
+        slope = fmin(fmax(log(there / asked) / log(next / at), -2), -0.5);
+        at = next, asked = there;
+    }
+    *period = at;
+done:
+    pc_free(r->ctx, area);
+    return status;
 }
 
 static double mean_square(const double *scale, const pc_mesh *mesh) {
@@ -177,6 +221,38 @@ static double mean_square(const double *scale, const pc_mesh *mesh) {
     return area > 0 ? sum / area : 1;
 }
 
+static pc_status sample(double **out, const remeshing *r, const double *value) {
+    const pc_coarse *coarse = &r->pilot.coarse;
+    pc_free(r->ctx, *out), *out = NULL;
+    pc_status status = pc_new(out, r->ctx, coarse->mesh.vertex_count);
+    for (pc_index v = 0; status == PC_OK && v < coarse->mesh.vertex_count; v++)
+        (*out)[v] = value[coarse->source[v]];
+    return status;
+}
+
+/* The whole takes over the scale and the period of its likeness. */
+static pc_status take_over(remeshing *r) {
+    r->whole->period = r->period;
+    return pc_pilot_carry(r->whole->scale, r->ctx, &r->pilot, r->scale, r->whole->mesh, r->whole->adjacency);
+}
+
+/* A likeness as fine as the present cells need it; *worthwhile is false where none is much smaller. */
+static pc_status renew_pilot(remeshing *r, bool *worthwhile) {
+    pc_status status = PC_OK;
+    const remeshing *whole = r->whole;
+    pc_pilot_free(&r->pilot, r->ctx);
+    PC_TRY(pc_pilot_make(&r->pilot, r->ctx, r->device, whole->mesh, whole->adjacency, whole->field,
+                         whole->scale, whole->period));
+    *worthwhile = r->pilot.coarse.mesh.face_count > 0;
+    if (!*worthwhile) goto done;
+    r->mesh = &r->pilot.coarse.mesh, r->adjacency = &r->pilot.adjacency, r->field = &r->pilot.field;
+    PC_TRY(sample(&r->scale, r, whole->scale));
+    PC_TRY(sample(&r->base, r, whole->base));
+    r->period = whole->period;
+done:
+    return status;
+}
+
 static pc_status attempt(remeshing *r, double period) {
     pc_param_options options = PC_PARAM_DEFAULTS;
     options.period_length = period;
@@ -185,6 +261,14 @@ static pc_status attempt(remeshing *r, double period) {
     /* As far in the edges of what is written as for cells that will be split. */
     if (r->options->ngons == PC_NGONS_KEEP) options.cancel_reach *= 2;
     set_period(r, period);
+    if (r->whole) {
+        bool worthwhile;
+        pc_status status = take_over(r);
+        if (status == PC_OK) status = renew_pilot(r, &worthwhile);
+        if (status != PC_OK) return status;
+        if (!worthwhile) return pc_fail(r->ctx, PC_E_NOCONV, "the cells are too small for a likeness");
+    }
+    limit_by_edges(r);
     r->stats->tries++;
     pc_layout_free(r->layout, r->ctx);
     pc_param_free(r->param, r->ctx);
@@ -199,15 +283,23 @@ typedef struct outcome {
     double count;   /* as the layout gives it */
     double reached; /* ... after strips have been doubled or drawn together for it */
     pc_index folded;
+    double asked; /* cells, for that count; 0 where nobody wants to know */
+    double far;   /* of the farthest vertex, times the reach */
     bool wanting; /* the scale has been raised, and it is worth another try */
 } outcome;
+
+static int most_refinements(const remeshing *r) {
+    const int asked = r->options->refinements;
+    return asked > 1 && !r->piloted && r->mesh->face_count > LARGE ? 1 : asked;
+}
 
 /* `far`: of the farthest vertex, times the reach. A spline needs all of the scan; after the rounds that were
  * asked for there are others only where a part of the scan is lost. */
 static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, pc_index folded, double far) {
     const bool for_spline = r->options->reach > 0;
     if (sizes->wanting == 0) return false;
-    if (r->stats->refinements >= r->options->refinements) return far > LOST;
+    if (r->piloted) return far > (for_spline ? LOST : LOST_ALTOGETHER);
+    if (r->stats->refinements >= most_refinements(r)) return far > LOST;
     return r->stats->refinements == 0 || folded || sizes->wanting > FEW * r->mesh->vertex_count ||
            far > (for_spline ? 1 : LOST);
 }
@@ -222,6 +314,10 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
     pc_sizing_stats sizes;
     *found = (outcome){.count = (double)pc_quads_count(r->layout, r->options->ngons)};
+    if ((r->whole || r->piloted) && r->options->quads > 0) {
+        double same;
+        PC_TRY(period_for(&same, &found->asked, r));
+    }
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
     PC_TRY(pc_ground_make(&ground, r->ctx, r->mesh, r->adjacency));
@@ -235,13 +331,21 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     if (r->options->reach > 0) sizing.reach = r->options->reach;
     if (r->options->floor > 0) sizing.floor = r->options->floor;
     sizing.walls = r->options->walls;
+    if (r->whole && r->options->quads > 0)
+        sizing.farthest = sizing.reach * sizing.edge_length * r->nominal / r->period;
     PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, &ground, &quads, folded, &sizing));
     r->stats->wanting = sizes.wanting;
-    const double far = sizes.worst / (sizing.reach * sizing.edge_length);
+    const double limit = sizing.reach * sizing.edge_length,
+                 far = sizes.worst / (sizing.farthest > 0 ? fmin(sizing.farthest, limit) : limit);
+    found->far = far;
     found->wanting = is_worth_another(r, &sizes, made.folded, far);
     pc_log(r->ctx, PC_LOG_DEBUG,
            "%u vertices of the scan want finer cells, the farthest is %.3g times the reach off",
            sizes.wanting, far);
+    if (r->whole && !found->wanting) { /* what is not worth a try is not wanted of the whole either */
+        PC_TRY(sample(&r->scale, r, r->whole->scale));
+        limit_by_edges(r);
+    }
 done:
     pc_ground_free(&ground, r->ctx);
     pc_polymesh_free(&quads, r->ctx);
@@ -273,24 +377,71 @@ static double guess(bracket *b, double period, double count, double wanted) {
     return b->many_period * pow(b->few_period / b->many_period, fmin(fmax(at, 0.15), 0.85));
 }
 
+/* For the wanted count, as far as one outcome can tell. The scale may have been raised since. */
+static pc_status next_period(double *period, const remeshing *r, const outcome *found) {
+    double cells = found->asked * r->options->quads / found->count;
+    *period = r->period * sqrt(found->count / r->options->quads);
+    return cells > 0 ? period_for(period, &cells, r) : PC_OK;
+}
+
+/* The best try so far, in terms of the whole scan. */
+typedef struct best_try {
+    double miss, period;
+    double *scale;
+    outcome found;
+} best_try;
+
+static pc_status start_best(best_try *best, const remeshing *r) {
+    const remeshing *whole = r->whole ? r->whole : r;
+    *best = (best_try){.miss = INFINITY};
+    return pc_new(&best->scale, r->ctx, whole->mesh->vertex_count);
+}
+
+/* The whole has had the scale of a likeness since the try began. */
+static void keep_if_best(best_try *best, const remeshing *r, double miss, const outcome *found) {
+    const remeshing *whole = r->whole ? r->whole : r;
+    if (!(miss < best->miss)) return;
+    best->miss = miss, best->period = r->period, best->found = *found;
+    memcpy(best->scale, whole->scale, sizeof(double) * whole->mesh->vertex_count);
+}
+
+/* Nobody looks at the layout of a likeness again. */
+static pc_status go_back_to(const best_try *best, remeshing *r, outcome *found) {
+    remeshing *whole = r->whole ? r->whole : r;
+    bool same;
+    memcpy(whole->scale, best->scale, sizeof(double) * whole->mesh->vertex_count);
+    whole->period = best->period;
+    *found = best->found;
+    return r->whole ? renew_pilot(r, &same) : attempt(r, best->period);
+}
+
 /* Sizes first: while places want finer cells, and rounds are left. */
 static pc_status settle_sizes(remeshing *r, outcome *found) {
     pc_status status = PC_OK;
     const double wanted = r->options->quads;
+    const bool compare = r->whole && wanted > 0; /* finer cells here are coarser ones there */
     double period = r->period;
-    if (wanted > 0) period *= sqrt(mean_square(r->scale, r->mesh)); /* finer cells count for more */
+    best_try best;
+    PC_TRY(start_best(&best, r));
     for (;;) {
         bool refine =
-            r->options->refinements > 0 && r->stats->refinements < r->options->refinements + MOST_RESCUES;
+            r->options->refinements > 0 && r->stats->refinements < most_refinements(r) + MOST_RESCUES;
         PC_TRY(attempt(r, period));
-        PC_TRY(look(r, found, refine, 0));
+        PC_TRY(look(r, found, refine, r->piloted ? wanted : 0));
         pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, found->count,
                found->wanting ? ", finer ones are needed in places" : "");
+        const double before = best.miss;
+        if (compare) keep_if_best(&best, r, found->far, found);
+        if (compare && found->far > WORTHWHILE * before) {
+            PC_TRY(go_back_to(&best, r, found));
+            break;
+        }
         if (!found->wanting) break;
         r->stats->refinements++;
-        if (wanted > 0) period *= sqrt(found->count / wanted);
+        if (wanted > 0) PC_TRY(next_period(&period, r, found));
     }
 done:
+    pc_free(r->ctx, best.scale);
     return status;
 }
 
@@ -299,35 +450,29 @@ static pc_status settle_count(remeshing *r, outcome *found) {
     pc_status status = PC_OK;
     const double wanted = r->options->quads;
     bracket known = {0, 0, 0, 0, 0, 0};
-    double best_miss = INFINITY, best_period = r->period, *best_scale = NULL;
-    const size_t bytes = sizeof(double) * r->mesh->vertex_count;
-    PC_TRY(pc_new(&best_scale, r->ctx, r->mesh->vertex_count));
+    best_try best;
+    PC_TRY(start_best(&best, r));
     for (int tries = 1;; tries++) {
-        double miss = fabs(found->reached / wanted - 1) + (found->folded ? 1 : 0);
-        if (miss < best_miss) {
-            best_miss = miss, best_period = r->period;
-            memcpy(best_scale, r->scale, bytes);
-        }
-        if (miss <= (tries > 1 ? CLOSE_ENOUGH : CLOSE)) break;
+        const double miss = fabs(found->reached / wanted - 1) + (found->folded ? 1 : 0);
+        keep_if_best(&best, r, miss, found);
+        if (miss <= (tries > 1 || r->piloted ? CLOSE_ENOUGH : CLOSE)) break;
         if (tries == MOST_TRIES_FOR_COUNT) {
-            if (best_miss == miss) break;
-            memcpy(r->scale, best_scale, bytes);
-            r->period = best_period;
-            PC_TRY(attempt(r, best_period));
+            if (best.miss < miss) PC_TRY(go_back_to(&best, r, found));
             break;
         }
-        PC_TRY(attempt(r, guess(&known, r->period, found->count, wanted)));
-        PC_TRY(look(r, found, false, tries > 1 ? wanted : 0));
+        double period = guess(&known, r->period, found->count, wanted);
+        if (found->asked > 0 && (known.few == 0 || known.many == 0)) PC_TRY(next_period(&period, r, found));
+        PC_TRY(attempt(r, period));
+        PC_TRY(look(r, found, false, tries > 1 || r->piloted ? wanted : 0));
         pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads", r->period, found->count);
     }
 done:
-    pc_free(r->ctx, best_scale);
+    pc_free(r->ctx, best.scale);
     return status;
 }
 
 static pc_status search(remeshing *r) {
     outcome found;
-    r->period = r->options->period_length;
     pc_status status = settle_sizes(r, &found);
     if (status == PC_OK && r->options->quads > 0) status = settle_count(r, &found);
     return status;
@@ -344,9 +489,43 @@ static pc_status start_scale(remeshing *r, const double *curl) {
         r->scale[v] = curl ? curl[v] : 1;
     PC_TRY(pc_room_make(r->scale, r->ctx, r->device, r->mesh, r->adjacency, r->field, &room));
     memcpy(r->base, r->scale, sizeof(double) * n);
+    r->nominal = r->period;
+    if (r->options->quads > 0) r->period *= sqrt(mean_square(r->scale, r->mesh)); /* finer cells count more */
     pc_log(r->ctx, PC_LOG_DEBUG, "singularities want cells up to %.2f times as fine, %.2f on the mean",
            largest(r->scale, n), sqrt(mean_square(r->scale, r->mesh)));
 done:
+    return status;
+}
+
+/* Where the scan has many triangles for each cell: the search on likenesses of it. What one that breaks off
+ * has found still serves. */
+static pc_status try_on_pilot(remeshing *r) {
+    pc_status status = PC_OK;
+    pc_param param = {0};
+    pc_layout layout = {0};
+    pc_remesh_stats stats = {0};
+    bool worthwhile;
+    remeshing small = *r;
+    small.whole = r, small.scale = small.base = NULL;
+    small.param = &param, small.layout = &layout, small.stats = &stats;
+    PC_TRY(renew_pilot(&small, &worthwhile));
+    if (!worthwhile) goto done;
+    status = search(&small);
+    if (status == PC_E_MESH || status == PC_E_NOCONV)
+        pc_context_clear_message(r->ctx);
+    else
+        PC_TRY(status);
+    PC_TRY(take_over(&small));
+    pc_log(r->ctx, PC_LOG_INFO, "%d tries on likenesses, the last of %u triangles: cells of side %.5g",
+           stats.tries, small.mesh->face_count, small.period);
+    r->piloted = true;
+    r->stats->refinements = stats.refinements, r->stats->pilot_tries = stats.tries;
+done:
+    pc_free(r->ctx, small.scale);
+    pc_free(r->ctx, small.base);
+    pc_param_free(&param, r->ctx);
+    pc_layout_free(&layout, r->ctx);
+    pc_pilot_free(&small.pilot, r->ctx);
     return status;
 }
 
@@ -363,11 +542,13 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
                    .mesh = mesh,
                    .adjacency = adjacency,
                    .field = field,
-                   .options = options};
+                   .options = options,
+                   .period = options->period_length};
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
     PC_TRY(start_scale(&r, curl));
+    PC_TRY(try_on_pilot(&r));
     PC_TRY(search(&r));
     stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:

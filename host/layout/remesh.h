@@ -26,6 +26,7 @@ typedef struct pc_remesh_stats {
     pc_param_stats param;
     pc_layout_stats layout;
     int tries, refinements;
+    int pilot_tries;     /* on a likeness of the scan, before; their refinements are counted */
     pc_index wanting;    /* scan vertices that still want finer quads at the end */
     double finest_scale; /* 1 / the size of the smallest cells, in cells as asked */
 } pc_remesh_stats;

@@ -12,7 +12,8 @@ static double limit_at(pc_index v, const pc_ground *ground, double scale, double
                        const pc_sizing_options *options) {
     const double part = 0.4, least = 0.1; /* of the thickness; of the edges as asked */
     const double length = options->edge_length;
-    const double limit = length * fmax(options->reach / scale, options->floor);
+    double limit = length * fmax(options->reach / scale, options->floor);
+    if (options->farthest > 0) limit = fmin(limit, options->farthest);
     if (!options->walls || distance > limit || distance < least * length) return limit;
     const double thickness = pc_thickness_at(ground, v, limit / part);
     return fmin(limit, fmax(part * thickness, least * length));

@@ -12,13 +12,14 @@ typedef struct pc_sizing_options {
     double period_length;
     double reach; /* scan vertices farther than this many local edge lengths from the quads want finer ones */
     double floor; /* ... but not nearer than this many edge lengths as asked */
-    bool walls;   /* nearer also where walls or gaps are thin: than 0.4 of their thickness */
+    double farthest;  /* ... and wherever they are farther than this, model units; 0: no such limit */
+    bool walls;       /* nearer also where walls or gaps are thin: than 0.4 of their thickness */
     double growth;    /* the most that one update may multiply a scale by */
     double most;      /* no scale becomes larger */
     double gradation; /* a scale falls off by a factor e over this many edge lengths */
 } pc_sizing_options;
 #define PC_SIZING_DEFAULTS                                                                                   \
-    { 0, 0, 1.0, 0.6, false, 2.0, 6.0, 8.0 }
+    { 0, 0, 1.0, 0.6, 0, false, 2.0, 6.0, 8.0 }
 
 typedef struct pc_sizing_stats {
     pc_index wanting; /* scan vertices that want finer quads */

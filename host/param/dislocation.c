@@ -26,29 +26,51 @@ typedef struct heap_entry {
     pc_index face;
 } heap_entry;
 
-typedef enum plan_state { UNKNOWN, FOUND, HOPELESS } plan_state;
-
-/* What a dislocation would do: vanish at `face`, or out of the border half-edge `exit`. Ends only vanish, so
- * the nearest one stays the nearest while it is there: nothing is searched for twice. */
-typedef struct plan {
+/* Where a dislocation could vanish: at `face`, or out of the border half-edge `exit`. */
+typedef struct ending {
     double distance;
-    plan_state state; /* HOPELESS: there is no end within reach, and there will be none */
-    pc_index start, face, exit;
+    pc_index face, exit;
     pc_point2 burgers; /* on arrival */
-    int trail;         /* that has the half-edges on the way, */
-    size_t path;       /* from here on */
+    size_t path;       /* in the trail, from here on the half-edges on the way */
     size_t path_count;
+} ending;
+
+/* The nearest endings of a dislocation, in order. Endings only vanish, and ways do not depend on what has:
+ * while one of these is there, nothing has to be searched for again. */
+typedef struct plan {
+    pc_index start;
+    pc_point2 burgers; /* before anything was cancelled */
+    int trail;         /* that has the endings, */
+    size_t first;      /* from here on */
+    size_t count;
+    size_t chosen; /* of them */
+    bool all;      /* there are no others within reach */
 } plan;
 
 typedef struct trail {
     pc_index *half;
     size_t count, room;
+    ending *ending;
+    size_t ending_count, ending_room;
 } trail;
+
+/* Who searches: several do at the same time, while nothing changes. */
+typedef struct walker {
+    label *labels;
+    heap_entry *heap;
+    size_t heap_count, heap_room;
+    pc_index stamp;
+    trail trail;
+    pc_status status;
+} walker;
 
 struct pc_dislocation_plans {
     plan *plan;
     size_t count;
-    trail trail[MOST_WALKERS];
+    pc_index *plan_of; /* per face: one more than its plan, or 0 */
+    pc_vec3 *centre;   /* per face */
+    walker walker[MOST_WALKERS];
+    int walker_count;
 };
 
 typedef struct search {
@@ -57,22 +79,8 @@ typedef struct search {
     pc_param *param;
     const uint8_t *guarded; /* per vertex, or NULL */
     double reach;
-    pc_vec3 *centre; /* per face */
     pc_dislocation_plans *plans;
-    struct walker *walker;
-    int walker_count;
 } search;
-
-/* Who searches: several do at the same time, while nothing changes. */
-typedef struct walker {
-    const search *s;
-    label *labels;
-    heap_entry *heap;
-    size_t heap_count, heap_room;
-    pc_index stamp;
-    int trail; /* its own */
-    pc_status status;
-} walker;
 
 static pc_transition around(const pc_param *param, pc_index f) {
     size_t h = 3 * (size_t)f;
@@ -141,16 +149,25 @@ static bool is_guarded(const search *s, pc_index f) {
     return s->guarded && (s->guarded[t[0]] || s->guarded[t[1]] || s->guarded[t[2]]);
 }
 
-static bool takes_in(const search *s, pc_index f, pc_point2 burgers) {
-    if (is_guarded(s, f)) return false;
-    if (s->param->singular[f] == PC_FIELD_SINGULARITY) return true;
-    if (s->param->singular[f] != PC_DISLOCATION) return false;
-    pc_transition g = around(s->param, f);
-    return g.a + burgers.s == 0 && g.b + burgers.t == 0;
+/* Whether a shift that arrives could have vanished there before anything was cancelled. */
+static bool took_in(const search *s, pc_index f, pc_point2 burgers) {
+    const pc_index k = s->plans->plan_of[f];
+    if (k) {
+        const pc_point2 own = s->plans->plan[k - 1].burgers;
+        return own.s + burgers.s == 0 && own.t + burgers.t == 0 && !is_guarded(s, f);
+    }
+    return s->param->singular[f] == PC_FIELD_SINGULARITY && !is_guarded(s, f);
 }
 
-static void relax(walker *w, pc_index h, double distance, pc_point2 burgers) {
-    pc_index face = w->s->adjacency->twin[h] / 3;
+/* ... and whether it still can. */
+static bool stands(const search *s, const ending *e) {
+    if (e->exit != PC_NONE) return true;
+    return !is_guarded(s, e->face) && (s->param->singular[e->face] == PC_FIELD_SINGULARITY ||
+                                       s->param->singular[e->face] == PC_DISLOCATION);
+}
+
+static void relax(walker *w, const search *s, pc_index h, double distance, pc_point2 burgers) {
+    pc_index face = s->adjacency->twin[h] / 3;
     label *l = &w->labels[face];
     if (l->stamp == w->stamp + SETTLED || (l->stamp == w->stamp && l->distance <= distance)) return;
     *l = (label){distance, w->stamp, h, {(int32_t)burgers.s, (int32_t)burgers.t}};
@@ -162,71 +179,103 @@ static pc_point2 burgers_at(const walker *w, pc_index face) {
     return (pc_point2){b[0], b[1]};
 }
 
-/* The way that the labels tell. */
-static pc_status keep_path(walker *w, plan *p, pc_context *ctx) {
+/* One more ending of plan p, by the way that the labels tell. */
+static pc_status keep(walker *w, plan *p, pc_context *ctx, pc_index face, pc_index exit) {
     pc_status status = PC_OK;
-    trail *kept = &w->s->plans->trail[w->trail];
-    p->path_count = 0;
-    for (pc_index f = p->face; w->labels[f].from != PC_NONE; f = w->labels[f].from / 3)
-        p->path_count++;
-    if (kept->count + p->path_count > kept->room) {
-        kept->room = 2 * kept->room + p->path_count;
-        PC_TRY(pc_resize(&kept->half, ctx, kept->room));
+    trail *t = &w->trail;
+    ending e = {.distance = w->labels[face].distance, .face = face, .exit = exit, .path = t->count};
+    e.burgers = burgers_at(w, face);
+    for (pc_index f = face; w->labels[f].from != PC_NONE; f = w->labels[f].from / 3)
+        e.path_count++;
+    if (t->count + e.path_count > t->room) {
+        t->room = 2 * t->room + e.path_count;
+        PC_TRY(pc_resize(&t->half, ctx, t->room));
     }
-    p->trail = w->trail;
-    p->path = kept->count;
-    kept->count += p->path_count;
-    pc_index f = p->face;
-    for (size_t i = p->path_count; i-- > 0; f = w->labels[f].from / 3)
-        kept->half[p->path + i] = w->labels[f].from;
+    if (t->ending_count == t->ending_room) {
+        t->ending_room = 2 * t->ending_room + 64;
+        PC_TRY(pc_resize(&t->ending, ctx, t->ending_room));
+    }
+    t->count += e.path_count;
+    pc_index f = face;
+    for (size_t i = e.path_count; i-- > 0; f = w->labels[f].from / 3)
+        t->half[e.path + i] = w->labels[f].from;
+    t->ending[t->ending_count++] = e;
+    p->count++;
 done:
     return status;
 }
 
-/* True where the search ends at `face`, which it has settled; otherwise its neighbours are labelled. */
-static bool expand(walker *w, plan *p, pc_index face, double distance) {
-    const search *s = w->s;
+/* Keeps a settled face if p can end there, and labels its neighbours. No way leads on past a border. */
+static pc_status expand(walker *w, const search *s, plan *p, pc_context *ctx, pc_index face) {
+    pc_status status = PC_OK;
+    const pc_vec3 *centre = s->plans->centre;
     const pc_point2 burgers = burgers_at(w, face);
-    if (face != p->start && takes_in(s, face, burgers)) return true;
+    const double distance = w->labels[face].distance;
+    if (face != p->start && took_in(s, face, burgers)) PC_TRY(keep(w, p, ctx, face, PC_NONE));
     for (pc_index h = 3 * face; h < 3 * face + 3; h++) {
         pc_index twin = s->adjacency->twin[h];
         if (twin == PC_NONE) {
-            p->exit = h;
-            return true;
+            PC_TRY(keep(w, p, ctx, face, h));
+            p->all = true;
+            break;
         }
-        relax(w, h, distance + pc_distance(s->centre[face], s->centre[twin / 3]), carried(s, h, burgers));
+        relax(w, s, h, distance + pc_distance(centre[face], centre[twin / 3]), carried(s, h, burgers));
     }
-    return false;
+done:
+    return status;
 }
 
-/* Dijkstra over the faces, to the first one that takes the shift in. Where there is none within `reach` the
- * plan stays as it was. */
-static pc_status find_end(walker *w, plan *p, bool *found, pc_context *ctx, double reach) {
+/* Dijkstra over the faces for the `wanted` nearest endings within reach. */
+static pc_status find_endings(walker *w, const search *s, plan *p, pc_context *ctx, size_t wanted) {
     pc_status status = PC_OK;
-    pc_transition g = around(w->s->param, p->start);
-    plan made = {.state = FOUND, .start = p->start, .exit = PC_NONE};
-    *found = false;
+    p->trail = (int)(w - s->plans->walker);
+    p->first = w->trail.ending_count, p->count = 0;
     w->stamp += NEXT_STAMP;
     w->heap_count = 0;
-    w->labels[p->start] = (label){0, w->stamp, PC_NONE, {(int32_t)g.a, (int32_t)g.b}};
+    w->labels[p->start] = (label){0, w->stamp, PC_NONE, {(int32_t)p->burgers.s, (int32_t)p->burgers.t}};
     push(w, 0, p->start);
-    while (w->heap_count && !*found) {
+    while (p->count < wanted && !p->all) {
         if (w->heap_count + 3 > w->heap_room) {
             PC_TRY(pc_resize(&w->heap, ctx, 2 * w->heap_room));
             w->heap_room *= 2;
         }
+        if (w->heap_count == 0) break;
         heap_entry top = pop(w);
         label *l = &w->labels[top.face];
         if (l->stamp == w->stamp + SETTLED || top.distance > l->distance) continue;
-        if (top.distance > reach) break;
+        if (top.distance > s->reach) break;
         l->stamp = w->stamp + SETTLED;
-        made.distance = top.distance, made.face = top.face;
-        *found = expand(w, &made, top.face, top.distance);
+        PC_TRY(expand(w, s, p, ctx, top.face));
     }
-    if (!*found) goto done;
-    made.burgers = burgers_at(w, made.face);
-    PC_TRY(keep_path(w, &made, ctx));
-    *p = made;
+    p->all = p->all || p->count < wanted;
+done:
+    return status;
+}
+
+static const ending *ending_of(const search *s, const plan *p) {
+    return s->plans->walker[p->trail].trail.ending + p->first + p->chosen;
+}
+
+typedef enum choice { NOTHING, CHOSEN, UNKNOWN } choice;
+
+/* Chooses the nearest ending within `limit` that is still there. UNKNOWN: there may be others. */
+static choice choose(const search *s, plan *p, double limit) {
+    const ending *e = p->count ? s->plans->walker[p->trail].trail.ending + p->first : NULL;
+    for (p->chosen = 0; p->chosen < p->count; p->chosen++) {
+        if (e[p->chosen].distance > limit) return NOTHING;
+        if (stands(s, e + p->chosen)) return CHOSEN;
+    }
+    return p->all ? NOTHING : UNKNOWN;
+}
+
+/* Searches on until that is known. */
+static pc_status search_on(choice *found, walker *w, const search *s, plan *p, pc_context *ctx,
+                           double limit) {
+    pc_status status = PC_OK;
+    while (*found == UNKNOWN) {
+        PC_TRY(find_endings(w, s, p, ctx, p->count ? 8 * p->count : 1));
+        *found = choose(s, p, limit);
+    }
 done:
     return status;
 }
@@ -253,64 +302,73 @@ static void flag(pc_param *param, pc_index f) {
 }
 
 static void carry_out(search *s, const plan *p) {
-    pc_transition g = around(s->param, p->start);
-    pc_point2 burgers = {g.a, g.b};
-    const pc_index *way = s->plans->trail[p->trail].half + p->path;
-    for (size_t i = 0; i < p->path_count; i++) {
+    const ending *e = ending_of(s, p);
+    const pc_index *way = s->plans->walker[p->trail].trail.half + e->path;
+    pc_point2 burgers = p->burgers;
+    for (size_t i = 0; i < e->path_count; i++) {
         move_across(s, way[i], burgers);
         burgers = carried(s, way[i], burgers);
     }
-    if (p->exit != PC_NONE) move_across(s, p->exit, burgers);
+    if (e->exit != PC_NONE) move_across(s, e->exit, burgers);
     flag(s->param, p->start);
-    flag(s->param, p->face);
+    flag(s->param, e->face);
 }
 
+/* An open dislocation and how far it has to go. */
+typedef struct candidate {
+    double distance;
+    plan *plan;
+} candidate;
+
 static int by_distance(const void *a, const void *b) {
-    const plan *p = *(const plan *const *)a, *q = *(const plan *const *)b;
+    const candidate *p = a, *q = b;
     if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
-    return p->start < q->start ? -1 : p->start > q->start;
+    return p->plan->start < q->plan->start ? -1 : p->plan->start > q->plan->start;
 }
 
 static bool is_open(const search *s, pc_index f) {
     return s->param->singular[f] == PC_DISLOCATION && !is_guarded(s, f);
 }
 
-/* The end of the plan is still there. */
-static bool stands(const search *s, const plan *p) {
-    return p->state == FOUND && (p->exit != PC_NONE || takes_in(s, p->face, p->burgers));
-}
-
-/* The open dislocations with an end, each with the nearest one. Searches change nothing that others read. */
-static pc_status make_plans(plan **open, size_t *open_count, search *s, plan *plans, pc_context *ctx) {
+/* The open dislocations with an ending, each with the nearest one. Searches change nothing that others read.
+ */
+static pc_status make_plans(candidate *open, size_t *open_count, search *s, pc_context *ctx) {
+    pc_status status = PC_OK;
+    pc_dislocation_plans *plans = s->plans;
+    choice *found = NULL;
     *open_count = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(s->walker_count)
-    for (size_t i = 0; i < s->plans->count; i++) {
-        plan *p = plans + i;
-        walker *w = &s->walker[omp_get_thread_num()];
-        bool found;
-        if (w->status != PC_OK || !is_open(s, p->start) || p->state == HOPELESS || stands(s, p)) continue;
-        w->status = find_end(w, p, &found, ctx, s->reach);
-        if (!found) p->state = HOPELESS;
+    PC_TRY(pc_new(&found, ctx, plans->count));
+    for (size_t i = 0; i < plans->count; i++)
+        found[i] = is_open(s, plans->plan[i].start) ? choose(s, plans->plan + i, s->reach) : NOTHING;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(plans->walker_count)
+    for (size_t i = 0; i < plans->count; i++) {
+        walker *w = &plans->walker[omp_get_thread_num()];
+        if (w->status == PC_OK) w->status = search_on(&found[i], w, s, plans->plan + i, ctx, s->reach);
     }
-    for (int t = 0; t < s->walker_count; t++)
-        if (s->walker[t].status != PC_OK) return s->walker[t].status;
-    for (size_t i = 0; i < s->plans->count; i++)
-        if (is_open(s, plans[i].start) && plans[i].state == FOUND) open[(*open_count)++] = plans + i;
-    return PC_OK;
+    for (int t = 0; t < plans->walker_count; t++)
+        PC_TRY(plans->walker[t].status);
+    for (size_t i = 0; i < plans->count; i++)
+        if (found[i] == CHOSEN)
+            open[(*open_count)++] = (candidate){ending_of(s, plans->plan + i)->distance, plans->plan + i};
+done:
+    pc_free(ctx, found);
+    return status;
 }
 
-/* The closest first. One whose partner has gone waits for the next round if the next end is farther. */
-static pc_status cancel_round(search *s, plan **open, size_t open_count, pc_index *cancelled,
+/* The closest first. One whose partner has gone waits for the next round if the next ending is farther. */
+static pc_status cancel_round(search *s, candidate *open, size_t open_count, pc_index *cancelled,
                               pc_context *ctx) {
     pc_status status = PC_OK;
-    qsort(open, open_count, sizeof(plan *), by_distance);
+    qsort(open, open_count, sizeof *open, by_distance);
     for (size_t i = 0; i < open_count; i++) {
-        plan *p = open[i];
-        bool found = true;
+        plan *p = open[i].plan;
+        const double limit = fmin(s->reach, 1.5 * open[i].distance);
         if (s->param->singular[p->start] != PC_DISLOCATION) continue;
-        if (!stands(s, p)) PC_TRY(find_end(s->walker, p, &found, ctx, fmin(s->reach, 1.5 * p->distance)));
-        if (!found) continue;
-        bool pair = p->exit == PC_NONE && s->param->singular[p->face] == PC_DISLOCATION;
+        choice found = stands(s, ending_of(s, p)) ? CHOSEN : choose(s, p, limit);
+        PC_TRY(search_on(&found, s->plans->walker, s, p, ctx, limit));
+        if (found != CHOSEN) continue;
+        const ending *e = ending_of(s, p);
+        const bool pair = e->exit == PC_NONE && s->param->singular[e->face] == PC_DISLOCATION;
         carry_out(s, p);
         *cancelled += pair ? 2 : 1;
     }
@@ -319,60 +377,56 @@ done:
     return status;
 }
 
-/* In rounds. What the first one finds is kept for a later call. */
 static pc_status cancel(search *s, pc_index *cancelled, pc_context *ctx) {
     pc_status status = PC_OK;
-    plan *plans = NULL, **open = NULL;
+    candidate *open = NULL;
     size_t open_count;
-    PC_TRY(pc_new(&plans, ctx, s->plans->count));
-    PC_TRY(pc_new(&open, ctx, s->plans->count)); /* NOLINT(bugprone-sizeof-expression): pointers */
-    memcpy(plans, s->plans->plan, s->plans->count * sizeof *plans);
+    PC_TRY(pc_new(&open, ctx, s->plans->count));
     for (int round = 0; round < MOST_ROUNDS; round++) {
         pc_index before = *cancelled;
-        PC_TRY(make_plans(open, &open_count, s, plans, ctx));
-        if (round == 0) memcpy(s->plans->plan, plans, s->plans->count * sizeof *plans);
+        PC_TRY(make_plans(open, &open_count, s, ctx));
         PC_TRY(cancel_round(s, open, open_count, cancelled, ctx));
         if (*cancelled == before) break;
     }
 done:
-    pc_free(ctx, plans);
     pc_free(ctx, open);
     return status;
 }
 
 static pc_status list_dislocations(search *s, pc_context *ctx) {
     pc_status status = PC_OK;
+    pc_dislocation_plans *plans = s->plans;
     size_t count = 0;
     for (pc_index f = 0; f < s->mesh->face_count; f++)
         count += is_open(s, f);
-    PC_TRY(pc_new(&s->plans->plan, ctx, count));
-    for (pc_index f = 0; f < s->mesh->face_count; f++)
-        if (is_open(s, f)) s->plans->plan[s->plans->count++].start = f;
+    PC_TRY(pc_new(&plans->plan, ctx, count));
+    PC_TRY(pc_new(&plans->plan_of, ctx, s->mesh->face_count));
+    for (pc_index f = 0; f < s->mesh->face_count; f++) {
+        if (!is_open(s, f)) continue;
+        const pc_transition g = around(s->param, f);
+        plans->plan[plans->count++] = (plan){.start = f, .burgers = {g.a, g.b}};
+        plans->plan_of[f] = (pc_index)plans->count;
+    }
 done:
     return status;
 }
 
-static pc_status make_walkers(search *s, pc_context *ctx) {
+static pc_status make_walkers(pc_dislocation_plans *plans, pc_context *ctx, const pc_mesh *mesh) {
     pc_status status = PC_OK;
     const int threads = omp_get_max_threads();
-    s->walker_count = threads < MOST_WALKERS ? threads : MOST_WALKERS;
-    PC_TRY(pc_new(&s->walker, ctx, s->walker_count));
-    for (int t = 0; t < s->walker_count; t++) {
-        walker *w = &s->walker[t];
-        *w = (walker){.s = s, .trail = t, .heap_room = LEAST_HEAP};
-        PC_TRY(pc_new(&w->labels, ctx, s->mesh->face_count));
+    plans->walker_count = threads < MOST_WALKERS ? threads : MOST_WALKERS;
+    for (int t = 0; t < plans->walker_count; t++) {
+        walker *w = &plans->walker[t];
+        w->heap_room = LEAST_HEAP;
+        PC_TRY(pc_new(&w->labels, ctx, mesh->face_count));
         PC_TRY(pc_new(&w->heap, ctx, w->heap_room));
     }
+    PC_TRY(pc_new(&plans->centre, ctx, mesh->face_count));
+#pragma omp parallel for schedule(static)
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        plans->centre[f] = centroid(mesh, f);
 done:
     return status;
-}
-
-static void free_walkers(search *s, pc_context *ctx) {
-    for (int t = 0; s->walker && t < s->walker_count; t++) {
-        pc_free(ctx, s->walker[t].labels);
-        pc_free(ctx, s->walker[t].heap);
-    }
-    pc_free(ctx, s->walker);
 }
 
 pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_dislocation_plans **known,
@@ -382,14 +436,10 @@ pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_disloc
     pc_dislocation_plans *own = NULL, **plans = known ? known : &own;
     search s = {.mesh = mesh, .adjacency = adjacency, .param = param, .guarded = guarded, .reach = reach};
     *cancelled = 0;
-    PC_TRY(pc_new(&s.centre, ctx, mesh->face_count));
-    PC_TRY(make_walkers(&s, ctx));
-#pragma omp parallel for schedule(static)
-    for (pc_index f = 0; f < mesh->face_count; f++)
-        s.centre[f] = centroid(mesh, f);
     if (!*plans) {
         PC_TRY(pc_new(plans, ctx, 1));
         s.plans = *plans;
+        PC_TRY(make_walkers(s.plans, ctx, mesh));
         PC_TRY(list_dislocations(&s, ctx));
     }
     s.plans = *plans;
@@ -397,15 +447,20 @@ pc_status pc_dislocations_cancel(pc_param *param, pc_index *cancelled, pc_disloc
     pc_reconstruct_flags(param, mesh);
 done:
     pc_dislocation_plans_free(own, ctx);
-    pc_free(ctx, s.centre);
-    free_walkers(&s, ctx);
     return status;
 }
 
 void pc_dislocation_plans_free(pc_dislocation_plans *plans, pc_context *ctx) {
     if (!plans) return;
+    for (int t = 0; t < MOST_WALKERS; t++) {
+        walker *w = &plans->walker[t];
+        pc_free(ctx, w->labels);
+        pc_free(ctx, w->heap);
+        pc_free(ctx, w->trail.half);
+        pc_free(ctx, w->trail.ending);
+    }
     pc_free(ctx, plans->plan);
-    for (int t = 0; t < MOST_WALKERS; t++)
-        pc_free(ctx, plans->trail[t].half);
+    pc_free(ctx, plans->plan_of);
+    pc_free(ctx, plans->centre);
     pc_free(ctx, plans);
 }

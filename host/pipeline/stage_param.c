@@ -19,6 +19,7 @@ static void put_facts(pc_run *run, pc_json *facts, const pc_remesh_stats *stats)
     pc_json_number(facts, "period_length", run->product.param.period_length);
     if (run->options->closer) pc_json_boolean(facts, "closer", true);
     pc_json_integer(facts, "tries", stats->tries);
+    pc_json_integer(facts, "tries_on_pilot", stats->pilot_tries);
     pc_json_integer(facts, "refinements", stats->refinements);
     pc_json_number(facts, "finest_scale", stats->finest_scale);
     pc_json_integer(facts, "vertices_wanting_finer", stats->wanting);
@@ -66,8 +67,6 @@ static pc_status make(pc_run *run, pc_json *facts) {
     options.seed = run->options->seed;
     options.scheme = (pc_pgp_scheme)run->options->pgp;
     if (run->options->tolerance > 0) hold_on(&options, run->options->closer);
-    /* Each costs as much as all before it: on a large scan one has to do. */
-    if (p->mesh.mesh.face_count > 1000000) options.refinements = 1;
     PC_TRY(remesh(&stats, run, &options));
     if (run->options->closer && stats.refinements == 0) { /* else the same quads as usual */
         pc_param_free(&p->param, run->ctx);
