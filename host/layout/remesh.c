@@ -146,6 +146,7 @@ typedef struct remeshing {
     double nominal; /* the period of cells that are all as large, for the wanted count */
     bool piloted;   /* both have been found on likenesses of the scan */
     struct remeshing *whole; /* that this is a likeness of, or NULL */
+    bool fresh;              /* the likeness has not been used yet */
     pc_pilot pilot;
 } remeshing;
 
@@ -249,6 +250,7 @@ static pc_status renew_pilot(remeshing *r, bool *worthwhile) {
     PC_TRY(sample(&r->scale, r, whole->scale));
     PC_TRY(sample(&r->base, r, whole->base));
     r->period = whole->period;
+    r->fresh = true;
 done:
     return status;
 }
@@ -261,7 +263,7 @@ static pc_status attempt(remeshing *r, double period) {
     /* As far in the edges of what is written as for cells that will be split. */
     if (r->options->ngons == PC_NGONS_KEEP) options.cancel_reach *= 2;
     set_period(r, period);
-    if (r->whole) {
+    if (r->whole && !r->fresh) {
         bool worthwhile;
         pc_status status = take_over(r);
         if (status == PC_OK) status = renew_pilot(r, &worthwhile);
@@ -269,6 +271,7 @@ static pc_status attempt(remeshing *r, double period) {
         if (!worthwhile) return pc_fail(r->ctx, PC_E_NOCONV, "the cells are too small for a likeness");
     }
     limit_by_edges(r);
+    r->fresh = false;
     r->stats->tries++;
     pc_layout_free(r->layout, r->ctx);
     pc_param_free(r->param, r->ctx);
@@ -438,6 +441,8 @@ static pc_status settle_sizes(remeshing *r, outcome *found) {
         }
         if (!found->wanting) break;
         r->stats->refinements++;
+        if (r->whole && wanted == 0 && r->stats->refinements >= most_refinements(r))
+            break; /* the whole will show */
         if (wanted > 0) PC_TRY(next_period(&period, r, found));
     }
 done:
@@ -511,11 +516,13 @@ static pc_status try_on_pilot(remeshing *r) {
     PC_TRY(renew_pilot(&small, &worthwhile));
     if (!worthwhile) goto done;
     status = search(&small);
-    if (status == PC_E_MESH || status == PC_E_NOCONV)
+    if (status == PC_E_MESH || status == PC_E_NOCONV) {
         pc_context_clear_message(r->ctx);
-    else
-        PC_TRY(status);
-    PC_TRY(take_over(&small));
+        status = PC_OK;
+    }
+    PC_TRY(status);
+    if (small.pilot.coarse.mesh.face_count)
+        PC_TRY(take_over(&small)); /* else that was done before the last */
     pc_log(r->ctx, PC_LOG_INFO, "%d tries on likenesses, the last of %u triangles: cells of side %.5g",
            stats.tries, small.mesh->face_count, small.period);
     r->piloted = true;

@@ -3,6 +3,7 @@
 #include "bvh.h"
 #include "geometry.h"
 #include "param_testing.h"
+#include "pilot.h"
 #include "polysurface.h"
 #include "refine.h"
 #include "remesh.h"
@@ -129,6 +130,67 @@ static void cells_in_number(void **state) {
     counts_are_met(*state, PC_NGONS_KEEP, counts);
 }
 
+/* On a sphere of so many triangles: a field as smooth as the whole one's on the likeness, and what is found
+ * there carried back to all vertices. */
+static void a_likeness_is_like(const shape *s, pc_context *ctx, pc_device *host, double period) {
+    pc_pilot pilot;
+    double *value, *carried, worst = 0, aside = 0;
+    pc_index singular = 0;
+    assert_ok(ctx, pc_new(&value, ctx, s->mesh.vertex_count));
+    assert_ok(ctx, pc_new(&carried, ctx, s->mesh.vertex_count));
+    for (pc_index v = 0; v < s->mesh.vertex_count; v++)
+        value[v] = 1;
+    assert_ok(ctx, pc_pilot_make(&pilot, ctx, host, &s->mesh, &s->adjacency, &s->field, value, period));
+    const pc_coarse *coarse = &pilot.coarse;
+    assert_true(coarse->mesh.face_count > 0 && coarse->mesh.face_count < s->mesh.face_count / 4);
+    for (pc_index f = 0; f < coarse->mesh.face_count; f++)
+        singular += pilot.field.index[f] != 0;
+    assert_int_equal(singular, 8); /* those of a quarter on a sphere */
+    for (pc_index v = 0; v < coarse->mesh.vertex_count; v++) {
+        const pc_vec3 d = pc_vec3_at(pilot.field.direction, v), n = pc_vec3_at(pilot.field.normal, v);
+        const pc_vec3 was = pc_vec3_at(s->field.direction, coarse->source[v]);
+        const double turn = 4 * atan2(pc_dot(pc_cross(n, d), was), pc_dot(d, was));
+        aside += fabs(remainder(turn, 2 * PC_PI)) / 4 / coarse->mesh.vertex_count;
+        value[v] = 2 + sin(2 * coarse->mesh.position[3 * (size_t)v]);
+    }
+    assert_true(aside < 0.05);
+    assert_ok(ctx, pc_pilot_carry(carried, ctx, &pilot, value, &s->mesh, &s->adjacency));
+    for (pc_index v = 0; v < s->mesh.vertex_count; v++)
+        worst = fmax(worst, fabs(carried[v] - 2 - sin(2 * s->mesh.position[3 * (size_t)v])));
+    assert_true(worst < 0.5 * period);
+    print_message("likeness of %u faces: directions %.2g aside, values %.2g off\n", coarse->mesh.face_count,
+                  aside, worst);
+    pc_pilot_free(&pilot, ctx);
+    for (pc_index v = 0; v < s->mesh.vertex_count; v++)
+        value[v] = 4; /* so fine that it would not be much smaller */
+    assert_ok(ctx, pc_pilot_make(&pilot, ctx, host, &s->mesh, &s->adjacency, &s->field, value, period));
+    assert_int_equal(pilot.coarse.mesh.face_count, 0);
+    pc_pilot_free(&pilot, ctx);
+    pc_free(ctx, value);
+    pc_free(ctx, carried);
+}
+
+/* The search takes place on likenesses, and what it finds holds for the whole. */
+static void large_scans_take_one_try(void **state) {
+    pc_context *ctx = *state;
+    pc_device *host = open_host(ctx);
+    const double count = 1500;
+    shape s = {0};
+    remeshed r;
+    assert_ok(ctx, pc_synth_sphere(&s.mesh, ctx, 160));
+    finish_shape(&s, ctx, host);
+    a_likeness_is_like(&s, ctx, host, 2 * sqrt(pc_geometry_area(&s.mesh) / count));
+    remesh(&r, &s, ctx, host, count, false, PC_NGONS_SPLIT);
+    is_whole(&r, &s, ctx, PC_NGONS_SPLIT, 0);
+    print_message("%u faces after %d tries on likenesses and %d\n", r.quads.face_count, r.stats.pilot_tries,
+                  r.stats.tries);
+    assert_true(fabs(r.quads.face_count / count - 1) <= 0.05);
+    assert_true(r.stats.pilot_tries > 0 && r.stats.tries == 1);
+    free_remeshed(&r, ctx);
+    free_shape(&s, ctx);
+    pc_device_close(host, ctx);
+}
+
 static void a_spike_is_not_lost(void **state) {
     pc_context *ctx = *state;
     pc_device *host = open_host(ctx);
@@ -158,6 +220,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(quads_in_number, make_context, free_context),
         cmocka_unit_test_setup_teardown(cells_in_number, make_context, free_context),
+        cmocka_unit_test_setup_teardown(large_scans_take_one_try, make_context, free_context),
         cmocka_unit_test_setup_teardown(a_spike_is_not_lost, make_context, free_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
