@@ -135,6 +135,7 @@ typedef struct remeshing {
     pc_layout *layout;
     double *scale;
     pc_remesh_stats *stats;
+    pc_remesh_looked *looked; /* or NULL */
     pc_context *ctx;
     pc_device *device;
     const pc_mesh *mesh;
@@ -275,6 +276,7 @@ static pc_status attempt(remeshing *r, double period) {
     r->stats->tries++;
     pc_layout_free(r->layout, r->ctx);
     pc_param_free(r->param, r->ctx);
+    if (r->looked) pc_polymesh_free(&r->looked->quads, r->ctx);
     pc_status status = pc_param_make(r->param, &r->stats->param, r->ctx, r->device, r->mesh, r->adjacency,
                                      r->field, r->scale, &options);
     if (status == PC_OK) status = pc_layout_make(r->layout, &r->stats->layout, r->ctx, r->mesh, r->param);
@@ -305,6 +307,15 @@ static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, p
     if (r->stats->refinements >= most_refinements(r)) return far > LOST;
     return r->stats->refinements == 0 || folded || sizes->wanting > FEW * r->mesh->vertex_count ||
            far > (for_spline ? 1 : LOST);
+}
+
+/* Hands on what would be made once more, strips or not. */
+static void keep_quads(remeshing *r, pc_polymesh *quads, const pc_remesh_quads_stats *made, double wanted) {
+    const double asked = r->options->quads, miss = asked > 0 ? fabs(quads->face_count / asked - 1) : 0;
+    if (!r->looked || (wanted != asked && miss > CLOSE_ENOUGH)) return;
+    pc_polymesh_free(&r->looked->quads, r->ctx);
+    r->looked->quads = *quads, r->looked->stats = *made;
+    *quads = (pc_polymesh){0};
 }
 
 /* Looks at the quads of the present layout, and raises the scale where they fail. */
@@ -350,6 +361,7 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
         limit_by_edges(r);
     }
 done:
+    if (status == PC_OK) keep_quads(r, &quads, &made, wanted);
     pc_ground_free(&ground, r->ctx);
     pc_polymesh_free(&quads, r->ctx);
     pc_free(r->ctx, folded);
@@ -512,7 +524,7 @@ static pc_status try_on_pilot(remeshing *r) {
     bool worthwhile;
     remeshing small = *r;
     small.whole = r, small.scale = small.base = NULL;
-    small.param = &param, small.layout = &layout, small.stats = &stats;
+    small.param = &param, small.layout = &layout, small.stats = &stats, small.looked = NULL;
     PC_TRY(renew_pilot(&small, &worthwhile));
     if (!worthwhile) goto done;
     status = search(&small);
@@ -536,14 +548,15 @@ done:
     return status;
 }
 
-pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_remesh_stats *stats,
-                         pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_remesh_looked *looked,
+                         pc_remesh_stats *stats, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
                          const pc_adjacency *adjacency, const pc_field *field, const double *curl,
                          const pc_remesh_options *options) {
     pc_status status = PC_OK;
     remeshing r = {.param = param,
                    .layout = layout,
                    .stats = stats,
+                   .looked = looked,
                    .ctx = ctx,
                    .device = device,
                    .mesh = mesh,
@@ -554,6 +567,7 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
     *stats = (pc_remesh_stats){0};
     *param = (pc_param){0};
     *layout = (pc_layout){0};
+    if (looked) *looked = (pc_remesh_looked){0};
     PC_TRY(start_scale(&r, curl));
     PC_TRY(try_on_pilot(&r));
     PC_TRY(search(&r));
@@ -564,6 +578,7 @@ done:
     if (status != PC_OK) {
         pc_free(ctx, r.scale);
         *scale = NULL;
+        if (looked) pc_polymesh_free(&looked->quads, ctx);
         pc_param_free(param, ctx);
         pc_layout_free(layout, ctx);
     }

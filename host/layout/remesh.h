@@ -31,13 +31,6 @@ typedef struct pc_remesh_stats {
     double finest_scale; /* 1 / the size of the smallest cells, in cells as asked */
 } pc_remesh_stats;
 
-/* Makes `param`, `layout` and `scale` (one per vertex of `mesh`: what cells are divided by, curl correction
- * included; the caller frees it with pc_free). `curl`: a factor per vertex or NULL. */
-pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_remesh_stats *stats,
-                         pc_context *ctx, pc_device *device, const pc_mesh *mesh,
-                         const pc_adjacency *adjacency, const pc_field *field, const double *curl,
-                         const pc_remesh_options *options);
-
 typedef struct pc_remesh_quads_stats {
     pc_index doublets;  /* removed */
     pc_index collapsed; /* quads that nothing could set upright, drawn together */
@@ -46,6 +39,21 @@ typedef struct pc_remesh_quads_stats {
     pc_index laid_out;  /* faces before that; 0 where no count was wanted */
     pc_relax_stats relaxed;
 } pc_remesh_quads_stats;
+
+/* The quads of the last layout, exactly those that pc_remesh_quads makes; without faces where the search has
+ * had no need of them. */
+typedef struct pc_remesh_looked {
+    pc_polymesh quads;
+    pc_remesh_quads_stats stats;
+} pc_remesh_looked;
+
+/* Makes `param`, `layout` and `scale` (one per vertex of `mesh`: what cells are divided by, curl correction
+ * included; the caller frees it with pc_free). `curl`: a factor per vertex or NULL. `looked`: NULL, or freed
+ * by the caller. */
+pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_remesh_looked *looked,
+                         pc_remesh_stats *stats, pc_context *ctx, pc_device *device, const pc_mesh *mesh,
+                         const pc_adjacency *adjacency, const pc_field *field, const double *curl,
+                         const pc_remesh_options *options);
 
 /* The quads of a layout in their final place: made, doublets removed, folds relaxed; with `wanted` > 0 also
  * strips of quads doubled or drawn together where the count misses it by nearly 5 % or more. `folded` (one

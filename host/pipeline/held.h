@@ -10,6 +10,7 @@
 #include "param.h"
 #include "parts.h"
 #include "polymesh.h"
+#include "remesh.h"
 
 /* The scan as the user gave it, triangulated and repaired, in the user's order. */
 typedef struct pc_held_scan {
@@ -56,6 +57,7 @@ typedef struct pc_held {
     pc_layout layout;
     pc_layout_stats layout_stats; /* when it was made in this run */
     pc_polymesh quads;
+    pc_remesh_quads_stats quads_stats; /* when they were made in this run */
     pc_held_spline spline;
 } pc_held;
 

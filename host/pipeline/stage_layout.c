@@ -42,6 +42,7 @@ static pc_status load(pc_run *run, pc_store *store) {
     pc_layout user;
     pc_status status = pc_layout_load(&user, store, "layout");
     if (status != PC_OK) return status;
+    pc_layout_free(&run->product.layout, run->ctx); /* the parameterization's, where that was made anew */
     status = pc_renumber_layout(&run->product.layout, run->ctx, &user, &from_user);
     pc_layout_free(&user, run->ctx);
     return status;

@@ -48,10 +48,13 @@ static void hold_on(pc_remesh_options *options, bool closer) {
 static pc_status remesh(pc_remesh_stats *stats, pc_run *run, const pc_remesh_options *options) {
     pc_held *p = &run->product;
     double *scale = NULL;
-    pc_status status = pc_remesh_make(
-        &p->param, &p->layout, &scale, stats, run->ctx, run->device, &p->mesh.mesh, &p->mesh.adjacency,
-        &p->field, pc_stage_wanted(PC_STAGE_CURL, run->options) ? p->scale : NULL, options);
+    pc_remesh_looked looked;
+    pc_status status =
+        pc_remesh_make(&p->param, &p->layout, &scale, &looked, stats, run->ctx, run->device, &p->mesh.mesh,
+                       &p->mesh.adjacency, &p->field,
+                       pc_stage_wanted(PC_STAGE_CURL, run->options) ? p->scale : NULL, options);
     pc_free(run->ctx, scale);
+    p->quads = looked.quads, p->quads_stats = looked.stats;
     return status;
 }
 
@@ -71,6 +74,7 @@ static pc_status make(pc_run *run, pc_json *facts) {
     if (run->options->closer && stats.refinements == 0) { /* else the same quads as usual */
         pc_param_free(&p->param, run->ctx);
         pc_layout_free(&p->layout, run->ctx);
+        pc_polymesh_free(&p->quads, run->ctx);
         options.period_length *= smaller;
         PC_TRY(remesh(&stats, run, &options));
     }

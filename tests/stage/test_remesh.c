@@ -52,18 +52,28 @@ static void remesh(remeshed *r, shape *s, pc_context *ctx, pc_device *host, doub
                    pc_ngons ngons) {
     pc_remesh_options options = PC_REMESH_DEFAULTS;
     pc_remesh_quads_stats made;
+    pc_remesh_looked looked;
     pc_ground ground;
     r->edge = sqrt(pc_geometry_area(&s->mesh) / count);
     options.quads = any ? 0 : count;
     options.ngons = ngons;
     options.period_length = ngons == PC_NGONS_SPLIT ? 2 * r->edge : r->edge;
     assert_true(s->longest_edge < 0.45 * options.period_length);
-    assert_ok(ctx, pc_remesh_make(&r->param, &r->layout, &r->scale, &r->stats, ctx, host, &s->mesh,
+    assert_ok(ctx, pc_remesh_make(&r->param, &r->layout, &r->scale, &looked, &r->stats, ctx, host, &s->mesh,
                                   &s->adjacency, &s->field, NULL, &options));
     assert_ok(ctx, pc_ground_make(&ground, ctx, &s->mesh, &s->adjacency));
     assert_ok(
         ctx, pc_remesh_quads(&r->quads, &r->folded, &made, ctx, &r->layout, ngons, any ? 0 : count, &ground));
     pc_ground_free(&ground, ctx);
+    if (looked.quads.face_count) {
+        assert_int_equal(looked.quads.face_count, r->quads.face_count);
+        assert_memory_equal(looked.quads.position, r->quads.position,
+                            3 * (size_t)r->quads.vertex_count * sizeof(double));
+        assert_memory_equal(looked.quads.corner, r->quads.corner,
+                            r->quads.start[r->quads.face_count] * sizeof *r->quads.corner);
+        assert_int_equal(looked.stats.strips, made.strips);
+    }
+    pc_polymesh_free(&looked.quads, ctx);
 }
 
 static void free_remeshed(remeshed *r, pc_context *ctx) {
