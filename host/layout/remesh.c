@@ -18,10 +18,10 @@ static const double FAR_OFF = 0.15; /* strips cannot make up for more */
 static const double MOST_FINER = 6; /* cells, for the sake of a coarser rest */
 static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are not worth another round */
 static const double LOST = 1.4;     /* times the reach: a part of the scan that far off is lost */
-static const double LOST_ALTOGETHER =
-    2; /* ... and worth a try on a scan that likenesses have been tried on */
-static const double WORTHWHILE =
-    0.9;                  /* of the distance before: a round of refinement that comes to more was in vain */
+/* ... and worth another try where sizes have been tried on likenesses. */
+static const double LOST_ALTOGETHER = 2;
+/* A round of refinement that leaves the farthest place farther than this part of what it was is in vain. */
+static const double WORTHWHILE = 0.9;
 enum { LARGE = 1000000 }; /* faces: another try costs as much as all before it */
 
 /* Flags also the faces that share a vertex with a flagged one. */
@@ -303,7 +303,7 @@ static int most_refinements(const remeshing *r) {
 static bool is_worth_another(const remeshing *r, const pc_sizing_stats *sizes, pc_index folded, double far) {
     const bool for_spline = r->options->reach > 0;
     if (sizes->wanting == 0) return false;
-    if (r->piloted) return far > (for_spline ? LOST : LOST_ALTOGETHER);
+    if (r->piloted && !for_spline) return far > LOST_ALTOGETHER;
     if (r->stats->refinements >= most_refinements(r)) return far > LOST;
     return r->stats->refinements == 0 || folded || sizes->wanting > FEW * r->mesh->vertex_count ||
            far > (for_spline ? 1 : LOST);
