@@ -94,10 +94,11 @@ static measured measure_face(pc_face_error *error, const pc_tspline *spline, con
         residual[i] = take(&m, target, pc_tspline_point(spline, pc_tspline_place(spline, f, s, t)), &hit);
         distance[i] = pc_norm(residual[i]);
     }
-    for (int i = 0; i < n * n; i++)
+    for (int i = 0; i < n * n; i++) {
+        const double s = (i % n) * spacing[0], t = (i / n) * spacing[1]; /* NOLINT */
         if (distance[i] > near && is_summit(distance, i, n))
-            climb(&m, spline, target, f, (i % n) * spacing[0], (i / n) * spacing[1], distance[i],
-                  spacing); /* NOLINT */
+            climb(&m, spline, target, f, s, t, distance[i], spacing);
+    }
     measure_irregular(&m, spline, target, f, &hit);
     if (!error) return m;
     error->max = m.max;
