@@ -168,12 +168,7 @@ static void set_period(remeshing *r, double period) {
 
 /* No cell may meet an edge of half its side. */
 static void limit_by_edges(remeshing *r) {
-    for (pc_index e = 0; e < r->adjacency->edge_count; e++) {
-        pc_index h = r->adjacency->edge_half[e], a = pc_tail(r->mesh, h), b = pc_head(r->mesh, h);
-        double most = 0.48 * r->period /
-                      pc_distance(pc_vec3_at(r->mesh->position, a), pc_vec3_at(r->mesh->position, b));
-        r->scale[a] = fmin(r->scale[a], most), r->scale[b] = fmin(r->scale[b], most);
-    }
+    pc_sizing_limit_by_edges(r->scale, r->mesh, r->adjacency, 0.48 * r->period, 0);
 }
 
 static double largest(const double *scale, pc_index count) {
@@ -183,25 +178,37 @@ static double largest(const double *scale, pc_index count) {
     return most;
 }
 
-/* How many cells a period would give if all were as large as asked; `area`: per vertex. */
-static double cells_asked(const remeshing *r, const double *area, double period) {
+static pc_status vertex_areas(double **area, const remeshing *r) {
+    const pc_status status = pc_new(area, r->ctx, r->mesh->vertex_count);
+    if (status == PC_OK) pc_geometry_vertex_areas(*area, r->mesh, 1e-6);
+    return status;
+}
+
+/* How many cells a period would give if all were as large as asked. */
+static double cells_at(const remeshing *r, const double *area, double period) {
     double sum = 0;
     for (pc_index v = 0; v < r->mesh->vertex_count; v++)
         sum += area[v] * pow(scale_at(r, v, period / r->period) / period, 2);
     return sum;
 }
 
-/* The period at which that is `cells`, or with 0 how many cells the present one asks for. */
-static pc_status period_for(double *period, double *cells, const remeshing *r) {
+static pc_status count_cells(double *cells, const remeshing *r) {
+    double *area = NULL;
+    const pc_status status = vertex_areas(&area, r);
+    if (status == PC_OK) *cells = cells_at(r, area, r->period);
+    pc_free(r->ctx, area);
+    return status;
+}
+
+/* The period at which there are so many. */
+static pc_status period_for(double *period, const remeshing *r, double cells) {
     enum { STEPS = 8 };
     pc_status status = PC_OK;
     double *area = NULL, slope = -2;
-    PC_TRY(pc_new(&area, r->ctx, r->mesh->vertex_count));
-    pc_geometry_vertex_areas(area, r->mesh, 1e-6);
-    double at = r->period, asked = cells_asked(r, area, at);
-    if (*cells <= 0) *cells = asked;
-    for (int k = 0; k < STEPS && fabs(log(asked / *cells)) > 1e-3; k++) { /* secants of the logarithms */
-        const double next = at * exp(log(*cells / asked) / slope), there = cells_asked(r, area, next);
+    PC_TRY(vertex_areas(&area, r));
+    double at = r->period, asked = cells_at(r, area, at);
+    for (int k = 0; k < STEPS && fabs(log(asked / cells)) > 1e-3; k++) { /* secants of the logarithms */
+        const double next = at * exp(log(cells / asked) / slope), there = cells_at(r, area, next);
         slope = fmin(fmax(log(there / asked) / log(next / at), -2), -0.5);
         at = next, asked = there;
     }
@@ -328,10 +335,7 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
     pc_sizing_stats sizes;
     *found = (outcome){.count = (double)pc_quads_count(r->layout, r->options->ngons)};
-    if ((r->whole || r->piloted) && r->options->quads > 0) {
-        double same;
-        PC_TRY(period_for(&same, &found->asked, r));
-    }
+    if ((r->whole || r->piloted) && r->options->quads > 0) PC_TRY(count_cells(&found->asked, r));
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
     PC_TRY(pc_ground_make(&ground, r->ctx, r->mesh, r->adjacency));
@@ -394,9 +398,9 @@ static double guess(bracket *b, double period, double count, double wanted) {
 
 /* For the wanted count, as far as one outcome can tell. The scale may have been raised since. */
 static pc_status next_period(double *period, const remeshing *r, const outcome *found) {
-    double cells = found->asked * r->options->quads / found->count;
+    if (found->asked > 0) return period_for(period, r, found->asked * r->options->quads / found->count);
     *period = r->period * sqrt(found->count / r->options->quads);
-    return cells > 0 ? period_for(period, &cells, r) : PC_OK;
+    return PC_OK;
 }
 
 /* The best try so far, in terms of the whole scan. */
@@ -436,8 +440,8 @@ static pc_status settle_sizes(remeshing *r, outcome *found) {
     const double wanted = r->options->quads;
     const bool compare = r->whole && wanted > 0; /* finer cells here are coarser ones there */
     double period = r->period;
-    best_try best;
-    PC_TRY(start_best(&best, r));
+    best_try best = {.miss = INFINITY};
+    if (compare) PC_TRY(start_best(&best, r));
     for (;;) {
         bool refine =
             r->options->refinements > 0 && r->stats->refinements < most_refinements(r) + MOST_RESCUES;

@@ -80,13 +80,12 @@ static void grade(double *scale, const pc_mesh *scan, const pc_adjacency *adjace
     }
 }
 
-/* PGP cannot take edges of half a period: such an edge limits the scale at both its ends. */
-static void limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency,
-                           double period_length) {
+void pc_sizing_limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency,
+                              double longest, double least) {
     for (pc_index e = 0; e < adjacency->edge_count; e++) {
         pc_index a = pc_tail(scan, adjacency->edge_half[e]), b = pc_head(scan, adjacency->edge_half[e]);
         double along = pc_distance(pc_vec3_at(scan->position, a), pc_vec3_at(scan->position, b));
-        double most = fmax(1, 0.45 * period_length / along);
+        double most = fmax(least, longest / along);
         scale[a] = fmin(scale[a], most);
         scale[b] = fmin(scale[b], most);
     }
@@ -109,7 +108,7 @@ pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ct
     }
     if (stats->wanting == 0) goto done;
     grade(scale, scan, ground->adjacency, options->gradation * options->edge_length);
-    limit_by_edges(scale, scan, ground->adjacency, options->period_length);
+    pc_sizing_limit_by_edges(scale, scan, ground->adjacency, 0.45 * options->period_length, 1);
 done:
     pc_free(ctx, want);
     return status;

@@ -31,4 +31,9 @@ typedef struct pc_sizing_stats {
 pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ctx, const pc_ground *ground,
                            const pc_polymesh *quads, const uint8_t *folded, const pc_sizing_options *options);
 
+/* PGP cannot take edges of half a period: lowers `scale` at both ends of edges that would be longer than
+ * `longest` in cells of scale 1, but not below `least`. */
+void pc_sizing_limit_by_edges(double *scale, const pc_mesh *scan, const pc_adjacency *adjacency,
+                              double longest, double least);
+
 #endif

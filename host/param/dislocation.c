@@ -30,8 +30,7 @@ typedef struct heap_entry {
 typedef struct ending {
     double distance;
     pc_index face, exit;
-    pc_point2 burgers; /* on arrival */
-    size_t path;       /* in the trail, from here on the half-edges on the way */
+    size_t path; /* in the trail, from here on the half-edges on the way */
     size_t path_count;
 } ending;
 
@@ -184,7 +183,6 @@ static pc_status keep(walker *w, plan *p, pc_context *ctx, pc_index face, pc_ind
     pc_status status = PC_OK;
     trail *t = &w->trail;
     ending e = {.distance = w->labels[face].distance, .face = face, .exit = exit, .path = t->count};
-    e.burgers = burgers_at(w, face);
     for (pc_index f = face; w->labels[f].from != PC_NONE; f = w->labels[f].from / 3)
         e.path_count++;
     if (t->count + e.path_count > t->room) {
