@@ -3,12 +3,6 @@
 
 enum { MOST_PER_SIDE = 24 };
 
-/* One face of the surface. */
-typedef struct measured {
-    double max, sum;
-    size_t samples, beyond;
-} measured;
-
 /* How far p is from the scan; -1 past the scan's border. */
 static double distance_at(const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
     *hit = pc_bvh_closest(&target->tree, p, hit->face);
@@ -16,7 +10,7 @@ static double distance_at(const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
 }
 
 /* What is between p and the scan; zero past the scan's border. */
-static pc_vec3 take(measured *m, const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
+static pc_vec3 take(pc_face_found *m, const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
     const double distance = distance_at(target, p, hit);
     m->samples++;
     if (distance < 0) {
@@ -29,7 +23,7 @@ static pc_vec3 take(measured *m, const pc_target *target, pc_vec3 p, pc_bvh_hit 
 }
 
 /* Elements beside extraordinary vertices are smaller than the grid's squares, and bend more. */
-static void measure_irregular(measured *m, const pc_tspline *spline, const pc_target *target, pc_index f,
+static void measure_irregular(pc_face_found *m, const pc_tspline *spline, const pc_target *target, pc_index f,
                               pc_bvh_hit *hit) {
     enum { SIDE = 3 };
     const pc_basis *basis = &spline->basis;
@@ -44,7 +38,7 @@ static void measure_irregular(measured *m, const pc_tspline *spline, const pc_ta
 
 /* Uphill from a sample at (s, t) of face f, whose neighbours on the grid are no farther off: in steps of half
  * the grid's, then of a quarter and so on. The sums keep to the grid. */
-static void climb(measured *m, const pc_tspline *spline, const pc_target *target, pc_index f, double s,
+static void climb(pc_face_found *m, const pc_tspline *spline, const pc_target *target, pc_index f, double s,
                   double t, double distance, const double spacing[2]) {
     enum { HALVINGS = 3, MOST_STEPS = 4 };
     const double *size = spline->mesh.face[f].size;
@@ -82,9 +76,9 @@ static bool is_summit(const double *distance, int i, int n) {
 
 /* Samples on a grid, at the corners of its squares too, and uphill from them where they find more than
  * `near`; the residuals' changes from one to the next. */
-static measured measure_face(pc_face_error *error, const pc_tspline *spline, const pc_target *target,
-                             pc_index f, int n, double near) {
-    measured m = {0};
+static pc_face_found measure_face(const pc_tspline *spline, const pc_target *target, pc_index f, int n,
+                                  double near) {
+    pc_face_found m = {.known = true};
     pc_vec3 residual[MOST_PER_SIDE * MOST_PER_SIDE];
     double distance[MOST_PER_SIDE * MOST_PER_SIDE];
     const double *size = spline->mesh.face[f].size, spacing[2] = {size[0] / (n - 1), size[1] / (n - 1)};
@@ -100,80 +94,129 @@ static measured measure_face(pc_face_error *error, const pc_tspline *spline, con
             climb(&m, spline, target, f, s, t, distance[i], spacing);
     }
     measure_irregular(&m, spline, target, f, &hit);
-    if (!error) return m;
-    error->max = m.max;
     for (int i = 0; i < n * n; i++) {
-        pc_vec3 r = residual[i];
-        if (i % n + 1 < n) error->change[0] += pow(pc_distance(residual[i + 1], r), 2);
-        if (i / n + 1 < n) error->change[1] += pow(pc_distance(residual[i + n], r), 2);
+        if (i % n + 1 < n) m.change[0] += pow(pc_distance(residual[i + 1], residual[i]), 2);
+        if (i / n + 1 < n) m.change[1] += pow(pc_distance(residual[i + n], residual[i]), 2);
     }
     return m;
 }
 
 static pc_status measure_surface(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
                                  const pc_tspline *spline, const pc_target *target, int per_side,
-                                 double near) {
+                                 const pc_accuracy_options *options) {
     pc_status status = PC_OK;
-    measured *found = NULL;
-    pc_index faces = spline->mesh.face_count;
+    pc_gauge own = {0}, *gauge = options->gauge ? options->gauge : &own;
+    const pc_index faces = spline->mesh.face_count;
     size_t samples = 0;
-    PC_TRY(pc_new(&found, ctx, faces));
+    PC_TRY(pc_gauge_update(gauge, ctx, spline));
 #pragma omp parallel for schedule(dynamic, 16)
     for (pc_index f = 0; f < faces; f++)
-        if (!spline->mesh.face[f].ghost)
-            found[f] = measure_face(error ? error + f : NULL, spline, target, f, per_side, near);
+        if (!gauge->face[f].known && !spline->mesh.face[f].ghost)
+            gauge->face[f] = measure_face(spline, target, f, per_side, options->near);
     for (pc_index f = 0; f < faces; f++) {
+        const pc_face_found *found = gauge->face + f;
         if (spline->mesh.face[f].ghost) continue;
-        samples += found[f].samples - found[f].beyond;
-        accuracy->surface_max = fmax(accuracy->surface_max, found[f].max);
-        accuracy->surface_mean += found[f].sum;
-        accuracy->beyond += found[f].beyond;
+        samples += found->samples - found->beyond;
+        accuracy->surface_max = fmax(accuracy->surface_max, found->max);
+        accuracy->surface_mean += found->sum;
+        accuracy->beyond += found->beyond;
+        if (error) error[f] = (pc_face_error){found->max, {found->change[0], found->change[1]}};
     }
     if (samples) accuracy->surface_mean /= (double)samples;
     accuracy->samples += samples;
 done:
-    pc_free(ctx, found);
+    pc_gauge_free(&own, ctx);
+    return status;
+}
+
+/* One vertex of the scan. */
+typedef struct reached {
+    double distance; /* INFINITY: to no face */
+    pc_index face;   /* that it counts for */
+} reached;
+
+/* How far the vertices are from their places. */
+static void ask_places(reached *vertex, const pc_tspline *spline, const pc_target *target,
+                       const pc_correspondence *places) {
+#pragma omp parallel for schedule(static)
+    for (pc_index v = 0; v < target->mesh->vertex_count; v++) {
+        vertex[v] = (reached){INFINITY, PC_NONE};
+        if (!places || places->spot[v].face == PC_NONE) continue;
+        const pc_vec3 p = pc_tspline_point(spline, pc_correspondence_place(places, spline, v));
+        vertex[v] = (reached){pc_distance(p, pc_vec3_at(target->mesh->position, v)), places->spot[v].face};
+    }
+}
+
+/* The nearest points of the whole surface, for `count` vertices that are listed. */
+static pc_status ask_surface(reached *vertex, pc_context *ctx, const pc_tspline *spline,
+                             const pc_target *target, const pc_index *list, pc_index count) {
+    pc_status status = PC_OK;
+    pc_facets facets = {0};
+    pc_nearest *nearest = NULL;
+    double *point = NULL, reach = 0;
+    PC_TRY(pc_new(&point, ctx, 3 * (size_t)count));
+    PC_TRY(pc_new(&nearest, ctx, count));
+    for (pc_index i = 0; i < count; i++) {
+        pc_vec3_put(point, i, pc_vec3_at(target->mesh->position, list[i]));
+        reach = fmax(reach, vertex[list[i]].distance);
+    }
+    PC_TRY(pc_facets_make_near(&facets, ctx, spline, 4, point, count, reach));
+    pc_nearest_all(nearest, spline, &facets, point, count);
+    for (pc_index i = 0; i < count; i++) {
+        reached *to = vertex + list[i];
+        if (nearest[i].place.element == PC_NONE) continue;
+        to->distance = fmin(to->distance, nearest[i].distance);
+        if (to->face == PC_NONE) to->face = spline->basis.element[nearest[i].place.element].face;
+    }
+done:
+    pc_facets_free(&facets, ctx);
+    pc_free(ctx, nearest);
+    pc_free(ctx, point);
     return status;
 }
 
 static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
                               const pc_tspline *spline, const pc_target *target,
-                              const pc_correspondence *correspondence) {
+                              const pc_accuracy_options *options) {
     pc_status status = PC_OK;
-    const pc_mesh *mesh = target->mesh;
-    pc_facets facets = {0};
-    pc_nearest *nearest = NULL;
+    const pc_index count = target->mesh->vertex_count;
+    reached *vertex = NULL;
+    pc_index *far = NULL, far_count = 0;
     size_t used = 0;
-    PC_TRY(pc_facets_make(&facets, ctx, spline, 4, false));
-    PC_TRY(pc_new(&nearest, ctx, mesh->vertex_count));
-    pc_nearest_all(nearest, spline, &facets, mesh->position, mesh->vertex_count);
-    for (pc_index v = 0; v < mesh->vertex_count; v++) {
-        if (target->adjacency->vertex_half[v] == PC_NONE || nearest[v].place.element == PC_NONE) continue;
-        pc_index f = spline->basis.element[nearest[v].place.element].face;
-        if (correspondence && correspondence->spot[v].face != PC_NONE) f = correspondence->spot[v].face;
+    PC_TRY(pc_new(&vertex, ctx, count));
+    PC_TRY(pc_new(&far, ctx, count));
+    ask_places(vertex, spline, target, options->places);
+    for (pc_index v = 0; v < count; v++)
+        if (target->adjacency->vertex_half[v] != PC_NONE && vertex[v].distance > options->near)
+            far[far_count++] = v;
+    if (far_count) PC_TRY(ask_surface(vertex, ctx, spline, target, far, far_count));
+    for (pc_index v = 0; v < count; v++) {
+        if (target->adjacency->vertex_half[v] == PC_NONE || vertex[v].face == PC_NONE) continue;
         used++;
-        accuracy->scan_mean += nearest[v].distance;
-        accuracy->scan_max = fmax(accuracy->scan_max, nearest[v].distance);
-        if (error) error[f].max = fmax(error[f].max, nearest[v].distance);
+        accuracy->scan_mean += vertex[v].distance;
+        accuracy->scan_max = fmax(accuracy->scan_max, vertex[v].distance);
+        if (error) error[vertex[v].face].max = fmax(error[vertex[v].face].max, vertex[v].distance);
     }
     if (used) accuracy->scan_mean /= (double)used;
     accuracy->samples += used;
 done:
-    pc_facets_free(&facets, ctx);
-    pc_free(ctx, nearest);
+    pc_free(ctx, vertex);
+    pc_free(ctx, far);
     return status;
 }
 
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
                               const pc_tspline *spline, const pc_target *target,
-                              const pc_correspondence *correspondence, int per_side, double near) {
+                              const pc_accuracy_options *options) {
     pc_status status = PC_OK;
+    const int per_side = options->per_side < 2               ? 2
+                         : options->per_side > MOST_PER_SIDE ? MOST_PER_SIDE
+                                                             : options->per_side;
     *accuracy = (pc_accuracy){0};
     for (pc_index f = 0; error && f < spline->mesh.face_count; f++)
         error[f] = (pc_face_error){0};
-    per_side = per_side < 2 ? 2 : per_side > MOST_PER_SIDE ? MOST_PER_SIDE : per_side;
-    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side, near));
-    PC_TRY(measure_scan(accuracy, error, ctx, spline, target, correspondence));
+    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side, options));
+    PC_TRY(measure_scan(accuracy, error, ctx, spline, target, options));
     accuracy->max = fmax(accuracy->scan_max, accuracy->surface_max);
 done:
     return status;

@@ -3,6 +3,7 @@
 #define PC_ACCURACY_H
 
 #include "correspondence.h"
+#include "gauge.h"
 
 /* Distances in model units. */
 typedef struct pc_accuracy {
@@ -21,13 +22,19 @@ typedef struct pc_face_error {
     double change[2]; /* sum of squared differences of the residual between neighbours along s and along t */
 } pc_face_error;
 
-/* `error` (may be NULL) has one entry per face of the T-mesh; a vertex of the scan counts where it belongs by
- * `correspondence`, without it where its nearest point is. `per_side` samples along the side of a face,
- * and 3 x 3 on each element beside an extraordinary vertex; where samples of the grid are farther than `near`
- * from the scan, the places between them that are farthest are climbed to. The same bytes for any number of
- * threads. PC_E_NOMEM. */
+typedef struct pc_accuracy_options {
+    int per_side; /* samples along the side of a face; 3 x 3 on each element beside an extraordinary vertex */
+    double near;  /* model units: where samples of the grid are farther away, the places between them that are
+                     farthest are climbed to */
+    const pc_correspondence *places; /* of the vertices of the scan, NULL: unknown. A vertex counts for the
+                     face of its place, and one nearer to it than `near` is taken to be as far as that. */
+    pc_gauge *gauge; /* of the same scan and options, NULL: none. What has not moved is not measured again. */
+} pc_accuracy_options;
+
+/* `error` (may be NULL) has one entry per face of the T-mesh. The same bytes for any number of threads.
+ * PC_E_NOMEM. */
 pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
                               const pc_tspline *spline, const pc_target *target,
-                              const pc_correspondence *correspondence, int per_side, double near);
+                              const pc_accuracy_options *options);
 
 #endif

@@ -58,13 +58,15 @@ typedef struct adapting {
     const pc_adapt_options *options;
     pc_matching matching;
     pc_face_error *error; /* per face of the present mesh */
+    pc_gauge gauge;
     pc_tspline best;      /* mesh and control points only */
     pc_adapt_stats best_stats;
     int vain;         /* rounds since it became much better */
     bool fitted;      /* at least once */
     bool opened;      /* folds, instead of refining, in the last round */
-    float *stiffness; /* per face, of the next fits; NULL: all once */
-    snapshot before;  /* ... and what was before that */
+    float *stiffness; /* per face, where folds are smoothed out; else NULL */
+    pc_region smooth; /* what moves then */
+    snapshot before;  /* folds were opened or smoothed out */
 } adapting;
 
 static size_t foot_count(const adapting *a) {
@@ -110,12 +112,14 @@ static void go_back_to(adapting *a, const snapshot *s) {
 }
 
 static pc_status measure(adapting *a, pc_context *ctx) {
-    const double near = 0.75 * a->options->tolerance;
     pc_status status = PC_OK;
+    const pc_accuracy_options options = {.per_side = a->options->per_side,
+                                         .near = 0.75 * a->options->tolerance,
+                                         .places = &a->matching.vertices,
+                                         .gauge = &a->gauge};
     pc_free(ctx, a->error), a->error = NULL;
     PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
-    PC_TRY(pc_accuracy_measure(&a->stats->accuracy, a->error, ctx, a->spline, a->target,
-                               &a->matching.vertices, a->options->per_side, near));
+    PC_TRY(pc_accuracy_measure(&a->stats->accuracy, a->error, ctx, a->spline, a->target, &options));
 done:
     return status;
 }
@@ -129,8 +133,10 @@ static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_fit_options fitting = a->options->fit;
     fitting.within = a->options->tolerance;
     fitting.rough = !a->fitted;
-    fitting.stiffness = a->stiffness;
-    if (a->stiffness && fitting.rounds > SMOOTHING_ROUNDS) fitting.rounds = SMOOTHING_ROUNDS;
+    if (a->stiffness) {
+        fitting.stiffness = a->stiffness, fitting.region = &a->smooth;
+        if (fitting.rounds > SMOOTHING_ROUNDS) fitting.rounds = SMOOTHING_ROUNDS;
+    }
     PC_TRY(pc_fit(a->spline, &stats->fit, ctx, device, a->target, &a->matching, &fitting));
     PC_TRY(measure(a, ctx));
     if (!a->fitted) stats->first_max = accuracy->max;
@@ -220,6 +226,7 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
         PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
         a->stats->junctions = closed.junctions;
         PC_TRY(pc_matching_carry(&a->matching, ctx, a->spline, a->target));
+        PC_TRY(pc_gauge_carry(&a->gauge, ctx, a->spline));
     }
     if (folds) PC_TRY(open_folds(a, ctx, folded, chosen > 0));
     *more = chosen + folds > 0 && is_within_budget(a);
@@ -245,22 +252,22 @@ static pc_status go_back(adapting *a, pc_context *ctx) {
 
 /* ---- Folds that are within the tolerance ---- */
 
-/* Faces with folded[f], and those around that share control points with them or with their neighbours. */
+/* Faces with folded[f], and those around that share control points with them or with their neighbours, are
+ * what moves. */
 static pc_status stiffen(adapting *a, pc_context *ctx, const uint8_t *folded) {
     const float factor = 30;
     pc_status status = PC_OK;
     const pc_index faces = a->spline->mesh.face_count;
-    pc_region region = {0};
     double *far = NULL;
     PC_TRY(pc_new(&far, ctx, faces));
     for (pc_index f = 0; f < faces; f++)
         far[f] = folded[f];
-    PC_TRY(pc_region_make(&region, ctx, a->spline, far, 0));
+    pc_region_free(&a->smooth, ctx);
+    PC_TRY(pc_region_make(&a->smooth, ctx, a->spline, far, 0));
     PC_TRY(pc_resize(&a->stiffness, ctx, faces));
     for (pc_index f = 0; f < faces; f++)
-        a->stiffness[f] = region.active[f] ? factor : 1;
+        a->stiffness[f] = a->smooth.active[f] ? factor : 1;
 done:
-    pc_region_free(&region, ctx);
     pc_free(ctx, far);
     return status;
 }
@@ -356,6 +363,8 @@ done:
     pc_matching_free(&a.matching, ctx);
     pc_tspline_free(&a.best, ctx);
     drop_snapshot(&a.before, ctx);
+    pc_gauge_free(&a.gauge, ctx);
+    pc_region_free(&a.smooth, ctx);
     pc_free(ctx, a.stiffness);
     pc_free(ctx, a.error);
     return status;

@@ -29,7 +29,8 @@ typedef struct fitting {
     pc_device *device;
     const pc_target *target;
     const pc_fit_options *options;
-    pc_region region; /* what moves; empty: all */
+    pc_region own;            /* chosen here, where the options leave it open */
+    const pc_region *region; /* what moves; empty: all */
     pc_energy energy;
     double *move; /* 3 per row */
     double least; /* largest distance in the best round */
@@ -73,7 +74,7 @@ static void displace(fitting *f) {
     for (size_t r = 0; r < f->energy.row_count; r++)
         for (size_t k = 0; k < 3; k++)
             f->spline->position[3 * (size_t)f->energy.vertex[r] + k] += f->move[3 * r + k];
-    pc_tspline_update_faces(f->spline, f->region.active);
+    pc_tspline_update_faces(f->spline, f->region->active);
 }
 
 /* Another round may bring the surface within the distance that is wanted: much is tried where little is
@@ -96,20 +97,20 @@ static bool goes_on(fitting *f, double max) {
 static bool region_is_due(const fitting *f) {
     enum { PERIOD = 4 };
     const int first = f->options->rough ? FIRST_ROUNDS : 0, rounds = f->stats->rounds;
-    return f->options->within > 0 && rounds >= first && (rounds - first) % PERIOD == 0;
+    return !f->options->region && f->options->within > 0 && rounds >= first && (rounds - first) % PERIOD == 0;
 }
 
-/* The system for what moves now; `far` is the largest distance per face, NULL to move everything. */
-static pc_status start_region(fitting *f, pc_context *ctx, double *far) {
+/* The system for what moves now; `far` is the largest distance per face, NULL to leave what moves as it is. */
+static pc_status start_region(fitting *f, pc_context *ctx, const double *far) {
     const double limit = 0.8; /* of the distance that is wanted */
     pc_status status = PC_OK;
-    pc_region_free(&f->region, ctx);
     pc_energy_free(&f->energy, ctx);
     pc_free(ctx, f->move), f->move = NULL;
-    for (pc_index i = 0; far && f->options->stiffness && i < f->spline->mesh.face_count; i++)
-        if (f->options->stiffness[i] > 1) far[i] = INFINITY;
-    if (far) PC_TRY(pc_region_make(&f->region, ctx, f->spline, far, limit * f->options->within));
-    PC_TRY(pc_energy_make(&f->energy, ctx, f->spline, f->region.free));
+    if (far) {
+        pc_region_free(&f->own, ctx);
+        PC_TRY(pc_region_make(&f->own, ctx, f->spline, far, limit * f->options->within));
+    }
+    PC_TRY(pc_energy_make(&f->energy, ctx, f->spline, f->region->free));
     f->energy.stiffness = f->options->stiffness;
     f->stats->moved = f->energy.row_count;
     PC_TRY(pc_new(&f->move, ctx, 3 * (size_t)f->stats->moved));
@@ -127,7 +128,7 @@ static pc_status one_round(bool *more, fitting *f, pc_context *ctx) {
     pc_energy_facts facts;
     PC_TRY(pc_check_interrupt(ctx));
     PC_TRY(pc_samples_make(&samples, ctx, f->spline, f->target, f->matching, within,
-                           due ? NULL : f->region.active));
+                           due ? NULL : f->region->active));
     *more = goes_on(f, samples.max);
     if (!*more) goto done;
     if (due || stats->rounds == 0) PC_TRY(start_region(f, ctx, due ? samples.far : NULL));
@@ -139,7 +140,7 @@ static pc_status one_round(bool *more, fitting *f, pc_context *ctx) {
     stats->samples = samples.count;
     PC_TRY(solve(f, ctx));
     displace(f);
-    pc_matching_follow(f->matching, f->spline, f->target, f->region.active);
+    pc_matching_follow(f->matching, f->spline, f->target, f->region->active);
     stats->rounds++;
 done:
     pc_samples_free(&samples, ctx);
@@ -155,11 +156,12 @@ pc_status pc_fit(pc_tspline *spline, pc_fit_stats *stats, pc_context *ctx, pc_de
                  .device = device,
                  .target = target,
                  .options = options};
+    f.region = options->region ? options->region : &f.own;
     *stats = (pc_fit_stats){0};
     for (bool more = true; more;)
         PC_TRY(one_round(&more, &f, ctx));
 done:
-    pc_region_free(&f.region, ctx);
+    pc_region_free(&f.own, ctx);
     pc_energy_free(&f.energy, ctx);
     pc_free(ctx, f.move);
     return status;

@@ -6,6 +6,7 @@
 
 #include "device.h"
 #include "matching.h"
+#include "region.h"
 
 typedef struct pc_fit_options {
     double fairness; /* weight of the bending energy; has no unit */
@@ -16,11 +17,11 @@ typedef struct pc_fit_options {
     bool
         rough; /* the surface is far off still: all of it moves in the first rounds, and distances say nothing
                   in the first one. Else only what surrounds faces with samples nearly that far moves. */
-    const float *stiffness; /* per face: how many times as much it resists bending; what is more than once
-                               as stiff moves too. NULL: all once */
+    const float *stiffness;  /* per face: how many times as much it resists bending. NULL: all once */
+    const pc_region *region; /* what moves, in all rounds; borrowed. NULL: chosen as above */
 } pc_fit_options;
 #define PC_FIT_DEFAULTS                                                                                      \
-    { 3e-4, 30, 1e-8, 0, true, NULL }
+    { 3e-4, 30, 1e-8, 0, true, NULL, NULL }
 
 typedef struct pc_fit_stats {
     size_t samples; /* in the last round */

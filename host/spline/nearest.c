@@ -1,5 +1,6 @@
 #include "nearest.h"
 #include "memory.h"
+#include <string.h>
 
 /* The bilinear interpolation of the four corners of the element's face. */
 static pc_vec3 flat_point(const pc_tspline *spline, const pc_element *element, double s, double t) {
@@ -15,19 +16,19 @@ static pc_vec3 flat_point(const pc_tspline *spline, const pc_element *element, d
     return p;
 }
 
-pc_status pc_facets_make(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, int per_side,
-                         bool flat) {
+/* Of the first `count` elements, or of those in facets->element. */
+static pc_status make_facets(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, pc_index count,
+                             bool flat) {
     pc_status status = PC_OK;
-    const pc_basis *basis = &spline->basis;
-    pc_index n = (pc_index)per_side, row = n + 1;
-    *facets = (pc_facets){.per_side = per_side, .basis = basis};
-    PC_TRY(pc_mesh_make(&facets->mesh, ctx, (size_t)basis->element_count * row * row,
-                        2 * (size_t)basis->element_count * n * n));
+    const int per_side = facets->per_side;
+    const pc_index n = (pc_index)per_side, row = n + 1;
+    PC_TRY(pc_mesh_make(&facets->mesh, ctx, (size_t)count * row * row, 2 * (size_t)count * n * n));
 #pragma omp parallel for schedule(static)
-    for (pc_index e = 0; e < basis->element_count; e++) {
-        const pc_element *element = basis->element + e;
-        pc_index *corner = facets->mesh.triangle + 6 * (size_t)e * n * n;
-        pc_index first = e * row * row;
+    for (pc_index place = 0; place < count; place++) {
+        const pc_index e = facets->element ? facets->element[place] : place;
+        const pc_element *element = spline->basis.element + e;
+        pc_index *corner = facets->mesh.triangle + 6 * (size_t)place * n * n;
+        pc_index first = place * row * row;
         for (pc_index i = 0; i < row * row; i++) {
             const pc_index column = i % row, line = i / row;
             double s = element->low[0] + (element->high[0] - element->low[0]) * column / per_side;
@@ -49,13 +50,67 @@ done:
     return status;
 }
 
+pc_status pc_facets_make(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, int per_side,
+                         bool flat) {
+    *facets = (pc_facets){.per_side = per_side, .basis = &spline->basis};
+    return make_facets(facets, ctx, spline, spline->basis.element_count, flat);
+}
+
+/* The middle of a box around the element's Bezier points, and with that half its diagonal. */
+static pc_vec3 element_middle(double *radius, const pc_tspline *spline, pc_index e) {
+    const double *bezier = spline->bezier + 48 * (size_t)e;
+    double low[3], high[3];
+    for (int i = 0; i < 48; i++) {
+        low[i % 3] = i < 3 ? bezier[i] : fmin(low[i % 3], bezier[i]);
+        high[i % 3] = i < 3 ? bezier[i] : fmax(high[i % 3], bezier[i]);
+    }
+    const pc_vec3 from = {low[0], low[1], low[2]}, to = {high[0], high[1], high[2]};
+    *radius = pc_distance(from, to) / 2;
+    return pc_scale(0.5, pc_add(from, to));
+}
+
+pc_status pc_facets_make_near(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, int per_side,
+                              const double *points, size_t count, double reach) {
+    pc_status status = PC_OK;
+    const pc_index elements = spline->basis.element_count;
+    pc_mesh dots = {0}; /* the points, as triangles without extent */
+    pc_bvh tree = {0};
+    uint8_t *near = NULL;
+    pc_index chosen = 0;
+    *facets = (pc_facets){.per_side = per_side, .basis = &spline->basis};
+    PC_TRY(pc_mesh_make(&dots, ctx, count, count));
+    memcpy(dots.position, points, 3 * count * sizeof *points);
+    for (size_t i = 0; i < 3 * count; i++)
+        dots.triangle[i] = (pc_index)(i / 3);
+    PC_TRY(pc_bvh_make(&tree, ctx, &dots));
+    PC_TRY(pc_new(&near, ctx, elements));
+    PC_TRY(pc_new(&facets->element, ctx, elements));
+#pragma omp parallel for schedule(dynamic, 256)
+    for (pc_index e = 0; e < elements; e++) {
+        double radius;
+        const pc_vec3 middle = element_middle(&radius, spline, e);
+        near[e] = pc_bvh_closest(&tree, middle, PC_NONE).distance <= reach + radius;
+    }
+    for (pc_index e = 0; e < elements; e++)
+        if (near[e]) facets->element[chosen++] = e;
+    PC_TRY(make_facets(facets, ctx, spline, chosen, false));
+done:
+    pc_free(ctx, near);
+    pc_bvh_free(&tree, ctx);
+    pc_mesh_free(&dots, ctx);
+    if (status != PC_OK) pc_facets_free(facets, ctx);
+    return status;
+}
+
 void pc_facets_free(pc_facets *facets, pc_context *ctx) {
+    pc_free(ctx, facets->element), facets->element = NULL;
     pc_bvh_free(&facets->tree, ctx);
     pc_mesh_free(&facets->mesh, ctx);
 }
 
 pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, const double weight[3]) {
     pc_index n = (pc_index)facets->per_side, e = triangle / (2 * n * n), square = triangle / 2 % (n * n);
+    if (facets->element) e = facets->element[e];
     bool upper = triangle % 2;
     double u = upper ? 1 - weight[1] : weight[1], v = upper ? 1 - weight[2] : weight[2];
     const pc_index column = square % n, line = square / n;

@@ -9,7 +9,8 @@
 typedef struct pc_facets {
     int per_side; /* squares of two triangles along each side of an element */
     const pc_basis *basis;
-    pc_mesh mesh; /* (per_side+1)^2 vertices per element, none shared */
+    pc_index *element; /* those that are in it, ascending; NULL: all */
+    pc_mesh mesh;      /* (per_side+1)^2 vertices per element, none shared */
     pc_bvh tree;
 } pc_facets;
 
@@ -23,6 +24,9 @@ typedef struct pc_nearest {
  * scan. `facets` must not move: the tree points into it. PC_E_NOMEM. */
 pc_status pc_facets_make(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, int per_side,
                          bool flat);
+/* Only of the elements that may have a place within `reach` of one of `count` points (3 each). */
+pc_status pc_facets_make_near(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, int per_side,
+                              const double *points, size_t count, double reach);
 void pc_facets_free(pc_facets *facets, pc_context *ctx);
 /* The place on a triangle of the facets with barycentric weights. */
 pc_surface_place pc_facets_place(const pc_facets *facets, pc_index triangle, const double weight[3]);

@@ -12,6 +12,8 @@
 #include <math.h>
 
 static const pc_tmesh_options defaults = PC_TMESH_DEFAULTS;
+/* At every vertex of the scan; 5 x 5 samples per face. */
+static const pc_accuracy_options measuring = {.per_side = 5};
 
 typedef struct scene {
     pc_mesh scan;
@@ -200,7 +202,7 @@ static void torus_converges(void **state) {
         assert_ok(ctx, pc_matching_make(&matching, ctx, &spline, &s.target, 5));
         options.fairness = 1e-8;
         assert_ok(ctx, pc_fit(&spline, &stats, ctx, s.host, &s.target, &matching, &options));
-        assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s.target, NULL, 5, 0));
+        assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s.target, &measuring));
         pc_matching_free(&matching, ctx);
         print_message("torus of %u points: max %.3g, mean %.3g; %u iterations\n", spline.mesh.vertex_count,
                       accuracy.scan_max, accuracy.scan_mean, stats.iterations);
@@ -223,7 +225,7 @@ static double largest_distance(pc_context *ctx, const scene *s, const pc_polymes
     options.within = within;
     options.rounds = 12;
     assert_ok(ctx, pc_fit(&spline, &stats, ctx, s->host, &s->target, &matching, &options));
-    assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s->target, NULL, 5, 0));
+    assert_ok(ctx, pc_accuracy_measure(&accuracy, NULL, ctx, &spline, &s->target, &measuring));
     print_message("%d rounds: largest distance %.3g, mean %.3g\n", stats.rounds, accuracy.max,
                   accuracy.scan_mean);
     if (within > 0) assert_true(stats.rounds < options.rounds && accuracy.max < 1.1 * within);
@@ -274,9 +276,10 @@ static void summits_between_samples_are_found(void **state) {
         assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
         const double near[3] = {INFINITY, 0, INFINITY};
         const int per_side[3] = {4, 4, 24};
-        for (int k = 0; k < 3; k++)
-            assert_ok(ctx, pc_accuracy_measure(&found[k], NULL, ctx, &spline, &s.target, NULL, per_side[k],
-                                               near[k]));
+        for (int k = 0; k < 3; k++) {
+            const pc_accuracy_options options = {.per_side = per_side[k], .near = near[k]};
+            assert_ok(ctx, pc_accuracy_measure(&found[k], NULL, ctx, &spline, &s.target, &options));
+        }
         print_message("seed %d: %.4g on a grid, %.4g climbed to, %.4g on a dense grid\n", (int)seed,
                       found[0].surface_max, found[1].surface_max, found[2].surface_max);
         assert_true(found[1].surface_max > 0.99 * found[2].surface_max);
