@@ -3,11 +3,10 @@
  * order: no atomics, the same bytes whatever the number of compute units. A work-item does `chunk` elements or rows. */
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 
-/* As in energy.h. */
+/* What is known of one element, as in energy.c but for the bending: sums over its samples. */
 #define MOMENT 0
 #define PULL 49
-#define BENDING 97
-#define LOCAL_SIZE 100
+#define LOCAL_SIZE 97
 #define SLOT_DIAGONAL 0xfffe
 #define SLOT_FIXED 0xffff
 /* Doubles of a sample: u, v, target, weight. */
@@ -92,78 +91,159 @@ kernel void fit_local(global double *restrict local_sums, global double *restric
             out[MOMENT + i] = moment[i];
         for (int i = 0; i < 48; i++)
             out[PULL + i] = pull[i];
-        for (int i = 0; i < 3; i++)
-            out[BENDING + i] = factor[i];
         tally[3 * (size_t)e] = total;
         tally[3 * (size_t)e + 1] = weight;
         tally[3 * (size_t)e + 2] = stiff;
     }
 }
 
-/* y = the element's matrix times c, both in Bezier coefficients. */
-inline void apply_local(double *y, global const double *sums, global const double *plate, const double *c) {
-    const double binomial[4] = {1, 3, 3, 1};
-    const double factor[3] = {sums[BENDING], sums[BENDING + 1], sums[BENDING + 2]};
-    for (int i = 0; i < 16; i++)
-        y[i] = 0;
-    for (int l = 0; l < 4; l++)
-        for (int k = 0; k < 4; k++) {
-            const double scale = binomial[k] * binomial[l] * c[k + 4 * l];
-            for (int j = 0; j < 4; j++)
-                for (int i = 0; i < 4; i++)
-                    y[i + 4 * j] += scale * sums[MOMENT + i + k + 7 * (j + l)];
-        }
-    for (int i = 0; i < 16; i++)
-        y[i] *= binomial[i % 4] * binomial[i / 4];
-    add_bending(y, factor, plate, c);
+/* Coefficients of an element's functions: 16, or 8 whose products are meant. */
+typedef struct functions {
+    uint count, stride;
+    global const double *from;
+} functions;
+
+inline functions functions_of(uint e, global const uint *count, global const uint *start, global const double *all) {
+    functions f;
+    f.count = count[e] & ~IRREGULAR;
+    f.stride = count[e] & IRREGULAR ? 16 : 8;
+    f.from = all + start[e];
+    return f;
 }
 
-/* Coefficients of an element's functions: 8 each, whose products are meant, or all 16. */
-inline void coefficients(double *c, global const double *from, bool irregular) {
-    for (int i = 0; i < 16; i++)
-        c[i] = irregular ? from[i] : from[i % 4] * from[4 + i / 4];
+/* Lines of 4 coefficients of function k. */
+inline void coefficients(double4 *c, const functions *f, uint k) {
+    global const double *from = f->from + f->stride * k;
+    for (int j = 0; j < 4; j++)
+        c[j] = f->stride == 16 ? vload4(j, from) : vload4(0, from) * from[4 + j];
 }
 
-kernel void fit_rows(global double *restrict value, global double *restrict diagonal, global double *restrict right,
-                     global const uint *restrict start, global const uint *restrict use_start,
-                     global const uint *restrict use, global const uint *restrict use_element,
-                     global const uint *restrict slot_start, global const ushort *restrict slot,
-                     global const uint *restrict functions, global const uint *restrict coefficient_start,
-                     global const double *restrict coefficient, global const double *restrict local_sums,
-                     global const double *restrict plate, const uint count, const uint chunk) {
+/* y . (function k) */
+inline double product(const double4 *y, const functions *f, uint k) {
+    global const double *from = f->from + f->stride * k;
+    double4 sum;
+    if (f->stride == 16)
+        sum = y[0] * vload4(0, from) + y[1] * vload4(1, from) + y[2] * vload4(2, from) + y[3] * vload4(3, from);
+    else
+        sum = vload4(0, from) * (y[0] * from[4] + y[1] * from[5] + y[2] * from[6] + y[3] * from[7]);
+    return (sum.x + sum.y) + (sum.z + sum.w);
+}
+
+/* The products of y with all functions, into the slots of a row. */
+inline double add_products(global double *entry, global const ushort *slot, const double4 *y, const functions *f) {
+    double diagonal = 0;
+    for (uint k = 0; k < f->count; k++) {
+        if (slot[k] == SLOT_FIXED) continue;
+        const double sum = product(y, f, k);
+        if (slot[k] == SLOT_DIAGONAL)
+            diagonal += sum;
+        else
+            entry[slot[k]] += sum;
+    }
+    return diagonal;
+}
+
+/* What bending puts into the rows: the same for all samples. */
+kernel void fit_bending(global double *restrict value, global double *restrict diagonal,
+                        global const uint *restrict start, global const uint *restrict use_start,
+                        global const uint *restrict use, global const uint *restrict use_element,
+                        global const uint *restrict slot_start, global const ushort *restrict slot,
+                        global const uint *restrict function_count, global const uint *restrict coefficient_start,
+                        global const double *restrict coefficient, global const double *restrict bending,
+                        global const double *restrict plate, const uint count, const uint chunk) {
     const uint from = get_global_id(0) * chunk, to = min(from + chunk, count);
     for (uint row = from; row < to; row++) {
         global const ushort *own = slot + slot_start[row];
-        global double *entry = value + start[row];
-        double own_diagonal = 0, sum_x = 0, sum_y = 0, sum_z = 0;
+        double own_diagonal = 0;
         for (uint k = start[row]; k < start[row + 1]; k++)
             value[k] = 0;
         for (uint u = use_start[row]; u < use_start[row + 1]; u++) {
             const uint e = use_element[u];
-            const bool irregular = (functions[e] & IRREGULAR) != 0;
-            const uint number = functions[e] & ~IRREGULAR, stride = irregular ? 16 : 8;
-            global const double *sums = local_sums + LOCAL_SIZE * (size_t)e;
-            global const double *all = coefficient + coefficient_start[e];
+            const functions f = functions_of(e, function_count, coefficient_start, coefficient);
+            const double factor[3] = {bending[3 * e], bending[3 * e + 1], bending[3 * e + 2]};
+            double4 line[4];
             double c[16], y[16];
-            coefficients(c, all + stride * use[u], irregular);
-            for (int k = 0; k < 16; k++) {
-                sum_x += c[k] * sums[PULL + 3 * k];
-                sum_y += c[k] * sums[PULL + 3 * k + 1];
-                sum_z += c[k] * sums[PULL + 3 * k + 2];
+            coefficients(line, &f, use[u]);
+            for (int j = 0; j < 4; j++)
+                vstore4(line[j], j, c);
+            for (int i = 0; i < 16; i++)
+                y[i] = 0;
+            add_bending(y, factor, plate, c);
+            for (int j = 0; j < 4; j++)
+                line[j] = vload4(j, y);
+            own_diagonal += add_products(value + start[row], own, line, &f);
+            own += f.count;
+        }
+        diagonal[row] = own_diagonal;
+    }
+}
+
+/* y = the matrix of an element's samples times c[4j+i]. */
+inline void apply_moments(double4 *y, global const double *moment, const double4 *c) {
+    const double4 binomial = (double4)(1, 3, 3, 1);
+    for (int j = 0; j < 4; j++)
+        y[j] = 0;
+    for (int l = 0; l < 4; l++) {
+        const double4 scale = binomial * c[l] * (l == 1 || l == 2 ? 3.0 : 1.0);
+        for (int j = 0; j < 4; j++) {
+            global const double *line = moment + 7 * (j + l);
+            y[j] +=
+                scale.x * vload4(0, line) + scale.y * vload4(0, line + 1) + scale.z * vload4(0, line + 2) + scale.w * vload4(0, line + 3);
+        }
+    }
+    for (int j = 0; j < 4; j++)
+        y[j] *= binomial * (j == 1 || j == 2 ? 3.0 : 1.0);
+}
+
+/* The same for c = a b. */
+inline void apply_product(double4 *y, global const double *moment, double4 a, double4 b) {
+    const double4 binomial = (double4)(1, 3, 3, 1);
+    double4 along[7];
+    a *= binomial, b *= binomial;
+    for (int j = 0; j < 7; j++) {
+        global const double *line = moment + 7 * j;
+        along[j] = a.x * vload4(0, line) + a.y * vload4(0, line + 1) + a.z * vload4(0, line + 2) + a.w * vload4(0, line + 3);
+    }
+    for (int j = 0; j < 4; j++)
+        y[j] = (b.x * along[j] + b.y * along[j + 1] + b.z * along[j + 2] + b.w * along[j + 3]) * binomial *
+               (j == 1 || j == 2 ? 3.0 : 1.0);
+}
+
+/* Rows and right-hand sides; `stiff` and `stiff_diagonal` are those of fit_bending. */
+kernel void fit_rows(global double *restrict value, global double *restrict diagonal, global double *restrict right,
+                     global const double *restrict stiff, global const double *restrict stiff_diagonal,
+                     global const uint *restrict start, global const uint *restrict use_start,
+                     global const uint *restrict use, global const uint *restrict use_element,
+                     global const uint *restrict slot_start, global const ushort *restrict slot,
+                     global const uint *restrict function_count, global const uint *restrict coefficient_start,
+                     global const double *restrict coefficient, global const uint *restrict first,
+                     global const double *restrict local_sums, const uint count, const uint chunk) {
+    const uint from = get_global_id(0) * chunk, to = min(from + chunk, count);
+    for (uint row = from; row < to; row++) {
+        global const ushort *own = slot + slot_start[row];
+        double own_diagonal = stiff_diagonal[row], sum_x = 0, sum_y = 0, sum_z = 0;
+        for (uint k = start[row]; k < start[row + 1]; k++)
+            value[k] = stiff[k];
+        for (uint u = use_start[row]; u < use_start[row + 1]; u++) {
+            const uint e = use_element[u];
+            const functions f = functions_of(e, function_count, coefficient_start, coefficient);
+            global const double *sums = local_sums + LOCAL_SIZE * (size_t)e, *pull = sums + PULL;
+            double4 c[4], y[4];
+            coefficients(c, &f, use[u]);
+            for (int j = 0; j < 4; j++, pull += 12) {
+                sum_x += c[j].x * pull[0] + c[j].y * pull[3] + c[j].z * pull[6] + c[j].w * pull[9];
+                sum_y += c[j].x * pull[1] + c[j].y * pull[4] + c[j].z * pull[7] + c[j].w * pull[10];
+                sum_z += c[j].x * pull[2] + c[j].y * pull[5] + c[j].z * pull[8] + c[j].w * pull[11];
             }
-            apply_local(y, sums, plate, c);
-            for (uint k = 0; k < number; k++) {
-                if (own[k] == SLOT_FIXED) continue;
-                double other[16], sum = 0;
-                coefficients(other, all + stride * k, irregular);
-                for (int i = 0; i < 16; i++)
-                    sum += y[i] * other[i];
-                if (own[k] == SLOT_DIAGONAL)
-                    own_diagonal += sum;
+            if (first[e] < first[e + 1]) {
+                global const double *from_a = f.from + f.stride * use[u];
+                if (f.stride == 16)
+                    apply_moments(y, sums + MOMENT, c);
                 else
-                    entry[own[k]] += sum;
+                    apply_product(y, sums + MOMENT, vload4(0, from_a), vload4(1, from_a));
+                own_diagonal += add_products(value + start[row], own, y, &f);
             }
-            own += number;
+            own += f.count;
         }
         diagonal[row] = own_diagonal > 0 ? own_diagonal : 1;
         right[3 * (size_t)row] = sum_x;

@@ -59,7 +59,7 @@ typedef struct adapting {
     pc_matching matching;
     pc_face_error *error; /* per face of the present mesh */
     pc_gauge gauge;
-    pc_tspline best;      /* mesh and control points only */
+    pc_tspline best; /* mesh and control points only */
     pc_adapt_stats best_stats;
     int vain;         /* rounds since it became much better */
     bool fitted;      /* at least once */

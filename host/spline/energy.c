@@ -6,6 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What is known of one element: sums over its samples, u and v from 0 to 1 across it, v' = 1-v. */
+enum {
+    LOCAL_MOMENT = 0,   /* 49, I + 7J: of weight u^I u'^(6-I) v^J v'^(6-J) */
+    LOCAL_PULL = 49,    /* 48: minus half the energy's gradient by the Bezier points, as in pc_tspline */
+    LOCAL_BENDING = 97, /* 3: factors of the bending's three terms */
+    LOCAL_SIZE = 100
+};
+
 static void make_plate(double plate[48]) {
     static const double node[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                    0.8611363115940526};
@@ -210,6 +218,7 @@ done:
 }
 
 void pc_energy_free(pc_energy *energy, pc_context *ctx) {
+    pc_energy_withdraw(energy, ctx);
     pc_system_free(&energy->system, ctx);
     pc_free(ctx, energy->vertex);
     pc_free(ctx, energy->row);
@@ -252,7 +261,7 @@ static void add_pull(double *local, double *tally, const double *bezier, double 
     }
     for (int i = 0; i < 16; i++)
         for (int k = 0; k < 3; k++)
-            local[PC_LOCAL_PULL + 3 * i + k] += sample->weight * value[i] * r[k];
+            local[LOCAL_PULL + 3 * i + k] += sample->weight * value[i] * r[k];
     tally[0] += sample->weight * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     tally[1] += sample->weight;
 }
@@ -285,23 +294,23 @@ static void fill_local(double *local, double *tally, const pc_energy *energy, pc
                        const pc_energy_work *work) {
     const pc_element *element = energy->spline->basis.element + e;
     const double *bezier = energy->spline->bezier + 48 * (size_t)e;
-    memset(local, 0, PC_LOCAL_SIZE * sizeof *local);
+    memset(local, 0, LOCAL_SIZE * sizeof *local);
     memset(tally, 0, 3 * sizeof *tally);
     for (size_t i = work->first[e]; i < work->first[e + 1]; i++) {
         const pc_sample *sample = work->samples + i;
         const double u = (sample->place.s - element->low[0]) / (element->high[0] - element->low[0]);
         const double v = (sample->place.t - element->low[1]) / (element->high[1] - element->low[1]);
         add_pull(local, tally, bezier, u, v, sample);
-        add_moments(local + PC_LOCAL_MOMENT, u, v, sample->weight);
+        add_moments(local + LOCAL_MOMENT, u, v, sample->weight);
     }
-    pc_energy_bending(local + PC_LOCAL_BENDING, energy, e, work->fairness);
+    pc_energy_bending(local + LOCAL_BENDING, energy, e, work->fairness);
     for (int k = 0; k < 3; k++) {
         double x[16], y[16] = {0};
         for (int i = 0; i < 16; i++)
             x[i] = bezier[3 * i + k];
-        add_bending(y, local + PC_LOCAL_BENDING, energy->plate, x);
+        add_bending(y, local + LOCAL_BENDING, energy->plate, x);
         for (int i = 0; i < 16; i++) {
-            local[PC_LOCAL_PULL + 3 * i + k] -= y[i];
+            local[LOCAL_PULL + 3 * i + k] -= y[i];
             tally[2] += x[i] * y[i];
         }
     }
@@ -319,17 +328,17 @@ static void apply_local(double y[16], const double *local, const double *plate, 
             const double factor = binomial[k] * binomial[l] * c[k + 4 * l];
             for (int j = 0; j < 4; j++)
                 for (int i = 0; i < 4; i++)
-                    y[i + 4 * j] += factor * local[PC_LOCAL_MOMENT + i + k + 7 * (j + l)];
+                    y[i + 4 * j] += factor * local[LOCAL_MOMENT + i + k + 7 * (j + l)];
         }
     for (int i = 0; i < 16; i++)
         y[i] *= binomial[i % 4] * binomial[i / 4];
-    add_bending(y, local + PC_LOCAL_BENDING, plate, c);
+    add_bending(y, local + LOCAL_BENDING, plate, c);
 }
 
 /* The same for c[i+4j] = a[i] b[j]. */
 static void apply_product(double y[16], const double *local, const double *plate, const double a[4],
                           const double b[4]) {
-    const double *moment = local + PC_LOCAL_MOMENT, *factor = local + PC_LOCAL_BENDING;
+    const double *moment = local + LOCAL_MOMENT, *factor = local + LOCAL_BENDING;
     double half[28] = {0}, along[12] = {0}, across[12] = {0};
     memset(y, 0, 16 * sizeof *y);
     for (int j = 0; j < 7; j++)
@@ -402,12 +411,12 @@ static void fill_row(pc_energy *energy, const double *local_sums, pc_index r) {
     memset(value, 0, (system->start[r + 1] - system->start[r]) * sizeof *value);
     for (size_t u = energy->start[r]; u < energy->start[r + 1]; u++) {
         const pc_index i = energy->use_element[u], e = energy->element[i];
-        const double *local = local_sums + PC_LOCAL_SIZE * (size_t)i;
+        const double *local = local_sums + LOCAL_SIZE * (size_t)i;
         double c[16];
         pc_basis_coefficients(c, basis, e, energy->use[u]);
         for (int k = 0; k < 16; k++)
             for (int d = 0; d < 3; d++)
-                right[d] += c[k] * local[PC_LOCAL_PULL + 3 * k + d];
+                right[d] += c[k] * local[LOCAL_PULL + 3 * k + d];
         add_products(value, &diagonal, energy, local, slot, energy->use[u], e);
         slot += basis->start[e + 1] - basis->start[e];
     }
@@ -416,12 +425,12 @@ static void fill_row(pc_energy *energy, const double *local_sums, pc_index r) {
 
 static pc_status fill_on_host(pc_energy *energy, pc_context *ctx, const pc_energy_work *work) {
     double *local = NULL;
-    pc_status status = pc_new(&local, ctx, PC_LOCAL_SIZE * (size_t)energy->element_count);
+    pc_status status = pc_new(&local, ctx, LOCAL_SIZE * (size_t)energy->element_count);
     if (status != PC_OK) return status;
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index i = 0; i < energy->element_count; i++)
-        fill_local(local + PC_LOCAL_SIZE * (size_t)i, energy->tally + 3 * (size_t)i, energy,
-                   energy->element[i], work);
+        fill_local(local + LOCAL_SIZE * (size_t)i, energy->tally + 3 * (size_t)i, energy, energy->element[i],
+                   work);
 #pragma omp parallel for schedule(dynamic, 64)
     for (pc_index r = 0; r < energy->row_count; r++)
         fill_row(energy, local, r);

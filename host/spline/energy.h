@@ -22,19 +22,11 @@ typedef struct pc_sample {
     double weight;
 } pc_sample;
 
-/* What is known of one element: sums over its samples, u and v from 0 to 1 across it, v' = 1-v.
- * The layout of kernels/fit.cl. */
-enum {
-    PC_LOCAL_MOMENT = 0,   /* 49, I + 7J: of weight u^I u'^(6-I) v^J v'^(6-J) */
-    PC_LOCAL_PULL = 49,    /* 48: minus half the energy's gradient by the Bezier points, as in pc_tspline */
-    PC_LOCAL_BENDING = 97, /* 3: factors of the bending's three terms */
-    PC_LOCAL_SIZE = 100
-};
-
 /* A system whose graph stays while samples and control points change. */
 typedef struct pc_energy {
     const pc_tspline *spline; /* borrowed; its mesh and basis do not change */
-    const float *stiffness;   /* per face: how many times as stiff it is; borrowed, NULL: once */
+    const float *stiffness;   /* per face: how many times as stiff it is; borrowed, NULL: once. Set before the
+                                 first filling. */
     pc_index row_count;       /* free control points that have a function on the surface */
     pc_index *vertex;         /* per row, ascending */
     pc_index *row;            /* per vertex; PC_NONE where it stays where it is */
@@ -51,6 +43,7 @@ typedef struct pc_energy {
     pc_system system;
     double *right; /* 3 per row: x, y, z */
     double *tally; /* 3 per listed element: sum of weight |S - target|^2, of the weights; bending */
+    struct pc_energy_resident *resident; /* what stays on the device between fillings */
 } pc_energy;
 enum { PC_SLOT_DIAGONAL = 0xfffe, PC_SLOT_FIXED = 0xffff };
 
@@ -79,6 +72,8 @@ typedef struct pc_energy_work {
 } pc_energy_work;
 /* Local sums and rows by kernels/fit.cl; pc_energy_fill calls it. */
 pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device, const pc_energy_work *work);
+/* Frees what it has left on the device. */
+void pc_energy_withdraw(pc_energy *energy, pc_context *ctx);
 /* The factors of the bending's terms on an element. */
 void pc_energy_bending(double factor[3], const pc_energy *energy, pc_index e, double fairness);
 

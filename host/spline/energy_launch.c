@@ -5,8 +5,8 @@
 
 extern const char pc_kernel_fit[];
 
-/* Doubles of a sample, and the mark of irregular elements, as in fit.cl. */
-enum { SAMPLE = 6 };
+/* Doubles of a sample and of an element's sums, and the mark of irregular elements, as in fit.cl. */
+enum { SAMPLE = 6, LOCAL = 97 };
 static const uint32_t irregular_mark = 0x80000000u;
 
 /* Rows [from,to) and the elements that they need, so few that every array fits the device's buffers. */
@@ -45,7 +45,7 @@ static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *
             coefficients += coefficients_of(basis, e);
         }
         const size_t bytes[] = {
-            elements * PC_LOCAL_SIZE * sizeof(double), samples * SAMPLE * sizeof(double),
+            elements * LOCAL * sizeof(double), samples * SAMPLE * sizeof(double),
             coefficients * sizeof(double),
             (energy->slot_start[p->to + 1] - energy->slot_start[p->from]) * sizeof(uint16_t),
             (energy->system.start[p->to + 1] - energy->system.start[p->from]) * sizeof(double)};
@@ -66,38 +66,60 @@ static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *
 }
 
 typedef struct buffers {
-    pc_buffer *local, *tally, *first, *sample, *bezier, *bending, *plate;
-    pc_buffer *value, *diagonal, *right, *start, *use_start, *use, *use_element, *slot_start, *slot;
+    /* the graph, and what bending makes of it */
+    pc_buffer *start, *use_start, *use, *use_element, *slot_start, *slot;
     pc_buffer *functions, *coefficient_start, *coefficient;
+    pc_buffer *plate, *bending, *stiff, *stiff_diagonal;
+    /* of one filling */
+    pc_buffer *first, *sample, *bezier;
+    pc_buffer *local, *tally, *value, *diagonal, *right;
 } buffers;
 
+static void free_samples(buffers *b, pc_context *ctx) {
+    pc_buffer **all[] = {&b->first, &b->sample, &b->bezier};
+    for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
+        pc_buffer_free(*all[k], ctx), *all[k] = NULL;
+}
+
 static void free_buffers(buffers *b, pc_context *ctx) {
-    pc_buffer *all[] = {
-        b->local,      b->tally,       b->first,      b->sample, b->bezier,    b->bending,
-        b->plate,      b->value,       b->diagonal,   b->right,  b->start,     b->use,
-        b->use_start,  b->use_element, b->slot_start, b->slot,   b->functions, b->coefficient_start,
-        b->coefficient};
+    pc_buffer *all[] = {b->start,          b->use_start, b->use,       b->use_element,
+                        b->slot_start,     b->slot,      b->functions, b->coefficient_start,
+                        b->coefficient,    b->plate,     b->bending,   b->stiff,
+                        b->stiff_diagonal, b->local,     b->tally,     b->value,
+                        b->diagonal,       b->right};
+    free_samples(b, ctx);
     for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
         pc_buffer_free(all[k], ctx);
     *b = (buffers){0};
 }
 
+/* All rows at once; else nothing stays. */
+typedef struct pc_energy_resident {
+    part part;
+    buffers buffers;
+    double fairness;
+} pc_energy_resident;
+
 static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, const pc_energy *energy,
                                 const pc_energy_work *work, const part *p) {
     pc_status status = PC_OK;
     const pc_tspline *spline = energy->spline;
+    const size_t n = p->element_count;
     uint32_t *first = NULL;
-    double *sample = NULL, *bezier = NULL, *bending = NULL;
-    PC_TRY(pc_new(&first, ctx, (size_t)p->element_count + 1));
-    PC_TRY(pc_new(&sample, ctx, SAMPLE * p->sample_count));
-    PC_TRY(pc_new(&bezier, ctx, 48 * (size_t)p->element_count));
-    PC_TRY(pc_new(&bending, ctx, 3 * (size_t)p->element_count));
-    for (pc_index k = 0; k < p->element_count; k++) {
+    double *sample = NULL, *bezier = NULL;
+    free_samples(b, ctx);
+    PC_TRY(pc_new(&first, ctx, n + 1));
+    for (size_t k = 0; k < n; k++) {
         const pc_index e = energy->element[p->element[k]];
         first[k + 1] = first[k] + (uint32_t)(work->first[e + 1] - work->first[e]);
     }
+    PC_TRY(pc_buffer_from(&b->first, ctx, device, first, (n + 1) * sizeof *first));
+    PC_TRY(pc_buffer_make(&b->sample, ctx, device, SAMPLE * (size_t)first[n] * sizeof *sample));
+    PC_TRY(pc_buffer_make(&b->bezier, ctx, device, 48 * n * sizeof *bezier));
+    PC_TRY(pc_buffer_map(&sample, ctx, b->sample));
+    PC_TRY(pc_buffer_map(&bezier, ctx, b->bezier));
 #pragma omp parallel for schedule(static)
-    for (pc_index k = 0; k < p->element_count; k++) {
+    for (size_t k = 0; k < n; k++) {
         const pc_index e = energy->element[p->element[k]];
         const pc_element *element = spline->basis.element + e;
         double *to = sample + SAMPLE * (size_t)first[k];
@@ -108,21 +130,12 @@ static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, 
             to[2] = s->target.x, to[3] = s->target.y, to[4] = s->target.z;
             to[5] = s->weight;
         }
-        memcpy(bezier + 48 * (size_t)k, spline->bezier + 48 * (size_t)e, 48 * sizeof *bezier);
-        pc_energy_bending(bending + 3 * (size_t)k, energy, e, work->fairness);
+        memcpy(bezier + 48 * k, spline->bezier + 48 * (size_t)e, 48 * sizeof *bezier);
     }
-    const size_t n = p->element_count;
-    PC_TRY(pc_buffer_from(&b->first, ctx, device, first, (n + 1) * sizeof *first));
-    PC_TRY(pc_buffer_from(&b->sample, ctx, device, sample, SAMPLE * p->sample_count * sizeof *sample));
-    PC_TRY(pc_buffer_from(&b->bezier, ctx, device, bezier, 48 * n * sizeof *bezier));
-    PC_TRY(pc_buffer_from(&b->bending, ctx, device, bending, 3 * n * sizeof *bending));
-    PC_TRY(pc_buffer_make(&b->local, ctx, device, PC_LOCAL_SIZE * n * sizeof(double)));
-    PC_TRY(pc_buffer_make(&b->tally, ctx, device, 3 * n * sizeof(double)));
 done:
+    if (sample && pc_buffer_unmap(b->sample, ctx, sample) != PC_OK) status = PC_E_DEVICE;
+    if (bezier && pc_buffer_unmap(b->bezier, ctx, bezier) != PC_OK) status = PC_E_DEVICE;
     pc_free(ctx, first);
-    pc_free(ctx, sample);
-    pc_free(ctx, bezier);
-    pc_free(ctx, bending);
     return status;
 }
 
@@ -164,7 +177,6 @@ static pc_status upload_rows(buffers *b, pc_context *ctx, pc_device *device, con
     const size_t rows = p->to - p->from, first_use = energy->start[p->from];
     const size_t uses = energy->start[p->to] - first_use, first_slot = energy->slot_start[p->from];
     const pc_index first_value = energy->system.start[p->from];
-    const size_t values = energy->system.start[p->to] - first_value;
     uint32_t *start[3] = {NULL, NULL, NULL}, *use = NULL, *use_element = NULL;
     pc_buffer **to[3] = {&b->start, &b->use_start, &b->slot_start};
     for (int k = 0; k < 3; k++)
@@ -187,9 +199,6 @@ static pc_status upload_rows(buffers *b, pc_context *ctx, pc_device *device, con
     PC_TRY(pc_buffer_from(&b->use_element, ctx, device, use_element, uses * sizeof *use_element));
     PC_TRY(pc_buffer_from(&b->slot, ctx, device, energy->slot + first_slot,
                           (energy->slot_start[p->to] - first_slot) * sizeof *energy->slot));
-    PC_TRY(pc_buffer_make(&b->value, ctx, device, values * sizeof(double)));
-    PC_TRY(pc_buffer_make(&b->diagonal, ctx, device, rows * sizeof(double)));
-    PC_TRY(pc_buffer_make(&b->right, ctx, device, 3 * rows * sizeof(double)));
 done:
     for (int k = 0; k < 3; k++)
         pc_free(ctx, start[k]);
@@ -198,26 +207,73 @@ done:
     return status;
 }
 
-static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p) {
+static pc_status upload_bending(buffers *b, pc_context *ctx, pc_device *device, const pc_energy *energy,
+                                const part *p, double fairness) {
     pc_status status = PC_OK;
-    pc_kernel *local = NULL, *rows = NULL;
-    const uint32_t chunk = pc_device_shape(device) == PC_SHAPE_CHUNK ? 16 : 1;
+    const size_t n = p->element_count;
+    double *bending = NULL;
+    PC_TRY(pc_new(&bending, ctx, 3 * n));
+    for (size_t k = 0; k < n; k++)
+        pc_energy_bending(bending + 3 * k, energy, energy->element[p->element[k]], fairness);
+    PC_TRY(pc_buffer_from(&b->bending, ctx, device, bending, 3 * n * sizeof *bending));
+    PC_TRY(pc_buffer_from(&b->plate, ctx, device, energy->plate, sizeof energy->plate));
+done:
+    pc_free(ctx, bending);
+    return status;
+}
+
+static uint32_t chunk_of(const pc_device *device) {
+    return pc_device_shape(device) == PC_SHAPE_CHUNK ? 16 : 1;
+}
+
+/* Room for what the kernels make, and the rows of the bending. */
+static pc_status make_rows(buffers *b, pc_context *ctx, pc_device *device, const pc_energy *energy,
+                           const part *p) {
+    pc_status status = PC_OK;
+    pc_kernel *kernel = NULL;
+    const uint32_t chunk = chunk_of(device), rows = p->to - p->from;
+    const size_t values = energy->system.start[p->to] - energy->system.start[p->from];
+    const size_t n = p->element_count;
+    pc_buffer **value[] = {&b->value, &b->stiff}, **diagonal[] = {&b->diagonal, &b->stiff_diagonal};
+    for (int k = 0; k < 2; k++) {
+        PC_TRY(pc_buffer_make(value[k], ctx, device, values * sizeof(double)));
+        PC_TRY(pc_buffer_make(diagonal[k], ctx, device, rows * sizeof(double)));
+    }
+    PC_TRY(pc_buffer_make(&b->right, ctx, device, 3 * rows * sizeof(double)));
+    PC_TRY(pc_buffer_make(&b->local, ctx, device, LOCAL * n * sizeof(double)));
+    PC_TRY(pc_buffer_make(&b->tally, ctx, device, 3 * n * sizeof(double)));
+    PC_TRY(pc_kernel_get(&kernel, ctx, device, pc_kernel_fit, "fit_bending"));
+    PC_TRY(pc_kernel_run(ctx, kernel, (rows + chunk - 1) / chunk, pc_chunk_group(device),
+                         8.0 * ((double)p->coefficient_count + (double)values),
+                         PC_ARGS(PC_BUF(b->stiff), PC_BUF(b->stiff_diagonal), PC_BUF(b->start),
+                                 PC_BUF(b->use_start), PC_BUF(b->use), PC_BUF(b->use_element),
+                                 PC_BUF(b->slot_start), PC_BUF(b->slot), PC_BUF(b->functions),
+                                 PC_BUF(b->coefficient_start), PC_BUF(b->coefficient), PC_BUF(b->bending),
+                                 PC_BUF(b->plate), PC_U32(rows), PC_U32(chunk))));
+done:
+    return status;
+}
+
+static pc_status run(buffers *b, pc_context *ctx, pc_device *device, const part *p, size_t samples) {
+    pc_status status = PC_OK;
+    pc_kernel *local = NULL, *row = NULL;
+    const uint32_t chunk = chunk_of(device), rows = p->to - p->from;
     const size_t group = pc_chunk_group(device);
-    const uint32_t row_count = p->to - p->from;
     PC_TRY(pc_kernel_get(&local, ctx, device, pc_kernel_fit, "fit_local"));
-    PC_TRY(pc_kernel_get(&rows, ctx, device, pc_kernel_fit, "fit_rows"));
+    PC_TRY(pc_kernel_get(&row, ctx, device, pc_kernel_fit, "fit_rows"));
     PC_TRY(pc_kernel_run(ctx, local, (p->element_count + chunk - 1) / chunk, group,
-                         8.0 * (SAMPLE * (double)p->sample_count + (48.0 + PC_LOCAL_SIZE) * p->element_count),
+                         8.0 * (SAMPLE * (double)samples + (48.0 + LOCAL) * p->element_count),
                          PC_ARGS(PC_BUF(b->local), PC_BUF(b->tally), PC_BUF(b->first), PC_BUF(b->sample),
                                  PC_BUF(b->bezier), PC_BUF(b->bending), PC_BUF(b->plate),
                                  PC_U32(p->element_count), PC_U32(chunk))));
-    PC_TRY(pc_kernel_run(ctx, rows, (row_count + chunk - 1) / chunk, group,
-                         8.0 * ((double)p->coefficient_count + PC_LOCAL_SIZE * (double)p->element_count),
-                         PC_ARGS(PC_BUF(b->value), PC_BUF(b->diagonal), PC_BUF(b->right), PC_BUF(b->start),
-                                 PC_BUF(b->use_start), PC_BUF(b->use), PC_BUF(b->use_element),
-                                 PC_BUF(b->slot_start), PC_BUF(b->slot), PC_BUF(b->functions),
-                                 PC_BUF(b->coefficient_start), PC_BUF(b->coefficient), PC_BUF(b->local),
-                                 PC_BUF(b->plate), PC_U32(row_count), PC_U32(chunk))));
+    PC_TRY(
+        pc_kernel_run(ctx, row, (rows + chunk - 1) / chunk, group,
+                      8.0 * ((double)p->coefficient_count + LOCAL * (double)p->element_count),
+                      PC_ARGS(PC_BUF(b->value), PC_BUF(b->diagonal), PC_BUF(b->right), PC_BUF(b->stiff),
+                              PC_BUF(b->stiff_diagonal), PC_BUF(b->start), PC_BUF(b->use_start),
+                              PC_BUF(b->use), PC_BUF(b->use_element), PC_BUF(b->slot_start), PC_BUF(b->slot),
+                              PC_BUF(b->functions), PC_BUF(b->coefficient_start), PC_BUF(b->coefficient),
+                              PC_BUF(b->first), PC_BUF(b->local), PC_U32(rows), PC_U32(chunk))));
 done:
     return status;
 }
@@ -240,29 +296,73 @@ done:
     return status;
 }
 
+/* Samples of the elements of a part. */
+static size_t samples_of(const pc_energy *energy, const pc_energy_work *work, const part *p) {
+    size_t count = 0;
+    for (size_t k = 0; k < p->element_count; k++) {
+        const pc_index e = energy->element[p->element[k]];
+        count += work->first[e + 1] - work->first[e];
+    }
+    return count;
+}
+
+static pc_status fill_part(pc_energy *energy, pc_context *ctx, pc_device *device, const pc_energy_work *work,
+                           const part *p, buffers *b) {
+    pc_status status = PC_OK;
+    PC_TRY(upload_samples(b, ctx, device, energy, work, p));
+    PC_TRY(run(b, ctx, device, p, samples_of(energy, work, p)));
+    PC_TRY(fetch(energy, ctx, b, p));
+done:
+    return status;
+}
+
+static pc_status launch_parts(pc_energy *energy, pc_context *ctx, pc_device *device,
+                              const pc_energy_work *work, size_t cap, pc_energy_resident *state) {
+    pc_status status = PC_OK;
+    part *p = &state->part;
+    buffers *b = &state->buffers;
+    PC_TRY(pc_new(&p->element, ctx, energy->element_count));
+    PC_TRY(pc_new(&p->local, ctx, energy->element_count));
+    for (p->from = 0; p->from < energy->row_count; p->from = p->to) {
+        free_buffers(b, ctx);
+        choose_rows(p, energy, work, cap);
+        PC_TRY(upload_functions(b, ctx, device, energy, p));
+        PC_TRY(upload_rows(b, ctx, device, energy, p));
+        PC_TRY(upload_bending(b, ctx, device, energy, p, work->fairness));
+        PC_TRY(make_rows(b, ctx, device, energy, p));
+        PC_TRY(fill_part(energy, ctx, device, work, p, b));
+        if (p->from == 0 && p->to == energy->row_count) break;
+    }
+done:
+    return status;
+}
+
 pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device,
                            const pc_energy_work *work) {
     const size_t most = (size_t)1 << 30; /* large single buffers are what drivers get wrong */
     pc_status status = PC_OK;
-    part p = {0};
-    buffers b = {0};
     const size_t cap = pc_device_allocation_cap(device) < most ? pc_device_allocation_cap(device) : most;
+    pc_energy_resident *resident = energy->resident;
     PC_TRY(pc_device_require_doubles(device, ctx, "the fit of a surface"));
-    PC_TRY(pc_new(&p.element, ctx, energy->element_count));
-    PC_TRY(pc_new(&p.local, ctx, energy->element_count));
-    for (p.from = 0; p.from < energy->row_count; p.from = p.to) {
-        choose_rows(&p, energy, work, cap);
-        PC_TRY(upload_samples(&b, ctx, device, energy, work, &p));
-        PC_TRY(upload_functions(&b, ctx, device, energy, &p));
-        PC_TRY(upload_rows(&b, ctx, device, energy, &p));
-        PC_TRY(pc_buffer_from(&b.plate, ctx, device, energy->plate, sizeof energy->plate));
-        PC_TRY(run(&b, ctx, device, &p));
-        PC_TRY(fetch(energy, ctx, &b, &p));
-        free_buffers(&b, ctx);
-    }
+    if (!energy->row_count) return PC_OK;
+    if (resident && resident->fairness == work->fairness &&
+        samples_of(energy, work, &resident->part) * SAMPLE * sizeof(double) <= cap)
+        return fill_part(energy, ctx, device, work, &resident->part, &resident->buffers);
+    pc_energy_withdraw(energy, ctx);
+    PC_TRY(pc_new(&energy->resident, ctx, 1));
+    energy->resident->fairness = work->fairness;
+    PC_TRY(launch_parts(energy, ctx, device, work, cap, energy->resident));
 done:
-    free_buffers(&b, ctx);
-    pc_free(ctx, p.element);
-    pc_free(ctx, p.local);
+    if (energy->resident && (status != PC_OK || energy->resident->part.from > 0))
+        pc_energy_withdraw(energy, ctx);
     return status;
+}
+
+void pc_energy_withdraw(pc_energy *energy, pc_context *ctx) {
+    if (!energy->resident) return;
+    free_buffers(&energy->resident->buffers, ctx);
+    pc_free(ctx, energy->resident->part.element);
+    pc_free(ctx, energy->resident->part.local);
+    pc_free(ctx, energy->resident);
+    energy->resident = NULL;
 }

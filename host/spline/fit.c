@@ -29,7 +29,7 @@ typedef struct fitting {
     pc_device *device;
     const pc_target *target;
     const pc_fit_options *options;
-    pc_region own;            /* chosen here, where the options leave it open */
+    pc_region own;           /* chosen here, where the options leave it open */
     const pc_region *region; /* what moves; empty: all */
     pc_energy energy;
     double *move; /* 3 per row */
@@ -100,7 +100,8 @@ static bool region_is_due(const fitting *f) {
     return !f->options->region && f->options->within > 0 && rounds >= first && (rounds - first) % PERIOD == 0;
 }
 
-/* The system for what moves now; `far` is the largest distance per face, NULL to leave what moves as it is. */
+/* The system for what moves now; `far` is the largest distance per face, NULL to leave what moves as it is.
+ */
 static pc_status start_region(fitting *f, pc_context *ctx, const double *far) {
     const double limit = 0.8; /* of the distance that is wanted */
     pc_status status = PC_OK;

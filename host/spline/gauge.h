@@ -1,5 +1,5 @@
-/* What the faces of a surface were found to be from a scan, kept while the surface moves: only faces that have
- * moved since are measured again. */
+/* What the faces of a surface were found to be from a scan, kept while the surface moves: only faces that
+ * have moved since are measured again. */
 #ifndef PC_GAUGE_H
 #define PC_GAUGE_H
 
