@@ -252,23 +252,27 @@ static pc_status go_back(adapting *a, pc_context *ctx) {
 
 /* ---- Folds that are within the tolerance ---- */
 
-/* Faces with folded[f], and those around that share control points with them or with their neighbours, are
- * what moves. */
+/* Faces with folded[f], and those around that share control points with them or with their neighbours, become
+ * stiff; as far around those everything moves. */
 static pc_status stiffen(adapting *a, pc_context *ctx, const uint8_t *folded) {
     const float factor = 30;
     pc_status status = PC_OK;
     const pc_index faces = a->spline->mesh.face_count;
-    double *far = NULL;
-    PC_TRY(pc_new(&far, ctx, faces));
-    for (pc_index f = 0; f < faces; f++)
-        far[f] = folded[f];
-    pc_region_free(&a->smooth, ctx);
-    PC_TRY(pc_region_make(&a->smooth, ctx, a->spline, far, 0));
+    double *marked = NULL;
+    PC_TRY(pc_new(&marked, ctx, faces));
     PC_TRY(pc_resize(&a->stiffness, ctx, faces));
     for (pc_index f = 0; f < faces; f++)
+        marked[f] = folded[f];
+    pc_region_free(&a->smooth, ctx);
+    PC_TRY(pc_region_make(&a->smooth, ctx, a->spline, marked, 0));
+    for (pc_index f = 0; f < faces; f++) {
+        marked[f] = a->smooth.active[f];
         a->stiffness[f] = a->smooth.active[f] ? factor : 1;
+    }
+    pc_region_free(&a->smooth, ctx);
+    PC_TRY(pc_region_make(&a->smooth, ctx, a->spline, marked, 0));
 done:
-    pc_free(ctx, far);
+    pc_free(ctx, marked);
     return status;
 }
 
