@@ -9,15 +9,25 @@ static double distance_at(const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
     return hit->face == PC_NONE || pc_target_on_border(target, hit->face, hit->weight) ? -1 : hit->distance;
 }
 
-/* What is between p and the scan; zero past the scan's border. */
-static pc_vec3 take(pc_face_found *m, const pc_target *target, pc_vec3 p, pc_bvh_hit *hit) {
+/* A place (s, t) of the face at hand that is as far as that. */
+static void note(pc_face_found *m, double distance, double s, double t, pc_index triangle) {
+    if (!(distance > m->max)) return;
+    m->max = distance;
+    m->at[0] = s, m->at[1] = t;
+    m->triangle = triangle;
+}
+
+/* What is between a place on the surface and the scan; zero past the scan's border. */
+static pc_vec3 take(pc_face_found *m, const pc_tspline *spline, const pc_target *target,
+                    pc_surface_place place, pc_bvh_hit *hit) {
+    const pc_vec3 p = pc_tspline_point(spline, place);
     const double distance = distance_at(target, p, hit);
     m->samples++;
     if (distance < 0) {
         m->beyond++;
         return (pc_vec3){0, 0, 0};
     }
-    m->max = fmax(m->max, distance);
+    note(m, distance, place.s, place.t, hit->face);
     m->sum += distance;
     return pc_sub(p, hit->point);
 }
@@ -31,7 +41,7 @@ static void measure_irregular(pc_face_found *m, const pc_tspline *spline, const 
         if (!basis->element[e].irregular) continue;
         for (int i = 0; i < SIDE * SIDE; i++) {
             const double u = (i % SIDE + 0.5) / SIDE, v = ((double)(i / SIDE) + 0.5) / SIDE; /* NOLINT */
-            (void)take(m, target, pc_tspline_point(spline, pc_element_place(basis, e, u, v)), hit);
+            (void)take(m, spline, target, pc_element_place(basis, e, u, v), hit);
         }
     }
 }
@@ -44,23 +54,25 @@ static void climb(pc_face_found *m, const pc_tspline *spline, const pc_target *t
     const double *size = spline->mesh.face[f].size;
     pc_bvh_hit hit = {.face = PC_NONE};
     double step[2] = {spacing[0], spacing[1]};
+    pc_index triangle = PC_NONE; /* below the summit, once it is higher than the sample */
     for (int k = 0; k < HALVINGS; k++) {
         step[0] /= 2, step[1] /= 2;
         for (int n = 0; n < MOST_STEPS; n++) {
             double best = distance, at[2] = {s, t};
+            pc_index below = triangle;
             for (int way = 0; way < 8; way++) {
                 const int i = way < 4 ? way : way + 1; /* of the 3 x 3 around, but the middle */
                 const double u = fmin(fmax(s + (i % 3 - 1) * step[0], 0), size[0]); /* NOLINT */
                 const double v = fmin(fmax(t + (i / 3 - 1) * step[1], 0), size[1]); /* NOLINT */
                 const double d =
                     distance_at(target, pc_tspline_point(spline, pc_tspline_place(spline, f, u, v)), &hit);
-                if (d > best) best = d, at[0] = u, at[1] = v;
+                if (d > best) best = d, at[0] = u, at[1] = v, below = hit.face;
             }
             if (!(best > distance)) break;
-            distance = best, s = at[0], t = at[1];
+            distance = best, s = at[0], t = at[1], triangle = below;
         }
     }
-    m->max = fmax(m->max, distance);
+    if (triangle != PC_NONE) note(m, distance, s, t, triangle);
 }
 
 /* Whether no neighbour of sample i on the grid is farther from the scan. */
@@ -85,7 +97,7 @@ static pc_face_found measure_face(const pc_tspline *spline, const pc_target *tar
     pc_bvh_hit hit = {.face = PC_NONE};
     for (int i = 0; i < n * n; i++) {
         double s = (i % n) * spacing[0], t = (i / n) * spacing[1]; /* NOLINT */
-        residual[i] = take(&m, target, pc_tspline_point(spline, pc_tspline_place(spline, f, s, t)), &hit);
+        residual[i] = take(&m, spline, target, pc_tspline_place(spline, f, s, t), &hit);
         distance[i] = pc_norm(residual[i]);
     }
     for (int i = 0; i < n * n; i++) {

@@ -25,9 +25,8 @@ static bool is_small(const pc_tspline *spline, pc_index f, double least) {
 }
 
 /* Faces over the limit, and which way to halve them. */
-static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_error *error, double limit,
-                       double least, double anisotropy) {
-    pc_index chosen = 0;
+static void choose(uint8_t *wish, const pc_tspline *spline, const pc_face_error *error, double limit,
+                   double least, double anisotropy) {
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
         const double *change = error[f].change;
         wish[f] = 0;
@@ -35,9 +34,7 @@ static pc_index choose(uint8_t *wish, const pc_tspline *spline, const pc_face_er
         wish[f] = change[0] > anisotropy * change[1]   ? PC_HALVE_S
                   : change[1] > anisotropy * change[0] ? PC_HALVE_T
                                                        : PC_HALVE_S | PC_HALVE_T;
-        chosen++;
     }
-    return chosen;
 }
 
 /* A surface and its matching as they were before folds were opened. */
@@ -109,6 +106,7 @@ static void go_back_to(adapting *a, const snapshot *s) {
     memcpy(a->matching.vertices.spot, s->spot, a->matching.vertices.count * sizeof *s->spot);
     memcpy(a->error, s->error, mesh->face_count * sizeof *s->error);
     pc_tspline_update(a->spline);
+    pc_summits_follow(&a->matching.summits, a->spline, a->target, NULL);
 }
 
 static pc_status measure(adapting *a, pc_context *ctx) {
@@ -202,15 +200,37 @@ static bool take_back(adapting *a, pc_context *ctx, uint8_t *folded, pc_index *f
     return worse;
 }
 
-/* `more` is false where there is nothing to refine and no fold, or refinement took more control points than
- * allowed. */
+/* Faces that are too far away where the fit has not looked: it will; they are not refined yet, unless a
+ * vertex of the scan is too far from them, too. */
+static pc_status look_closer(pc_index *found, uint8_t *wish, adapting *a, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const pc_index faces = a->spline->mesh.face_count;
+    uint8_t *unseen = NULL;
+    *found = 0;
+    PC_TRY(pc_new(&unseen, ctx, faces));
+    PC_TRY(pc_summits_find(&a->matching.summits, unseen, ctx, a->spline, &a->matching.feet, &a->gauge,
+                           a->options->tolerance));
+    pc_summits_follow(&a->matching.summits, a->spline, a->target, NULL);
+    for (pc_index f = 0; f < faces; f++) {
+        *found += unseen[f];
+        if (unseen[f] && !(a->error[f].max > a->gauge.face[f].max)) wish[f] = 0;
+    }
+    if (*found) pc_log(ctx, PC_LOG_DEBUG, "spline: %u places between samples are too far away", *found);
+done:
+    pc_free(ctx, unseen);
+    return status;
+}
+
+/* `more` is false where there is nothing to refine, no fold and no summit, or refinement took more control
+ * points than allowed. */
 static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_adapt_options *options = a->options;
     const pc_index faces = a->spline->mesh.face_count;
     pc_closure_stats closed;
     uint8_t *wish = NULL, *folded = NULL;
-    pc_index chosen = 0;
+    pc_index summits;
+    bool cut = false;
     *more = false;
     PC_TRY(pc_new(&folded, ctx, faces));
     PC_TRY(pc_new(&wish, ctx, faces));
@@ -220,16 +240,19 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     if (a->opened)
         PC_TRY(take_snapshot(a, ctx, folds));
     else
-        chosen = choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
-                        0.5 * options->tolerance, options->anisotropy);
-    if (chosen) {
+        choose(wish, a->spline, a->error, threshold(a->error, faces, options->tolerance),
+               0.5 * options->tolerance, options->anisotropy);
+    PC_TRY(look_closer(&summits, wish, a, ctx));
+    for (pc_index f = 0; f < faces && !cut; f++)
+        cut = wish[f];
+    if (cut) {
         PC_TRY(pc_insertion_refine(a->spline, &closed, ctx, wish));
         a->stats->junctions = closed.junctions;
         PC_TRY(pc_matching_carry(&a->matching, ctx, a->spline, a->target));
         PC_TRY(pc_gauge_carry(&a->gauge, ctx, a->spline));
     }
-    if (folds) PC_TRY(open_folds(a, ctx, folded, chosen > 0));
-    *more = chosen + folds > 0 && is_within_budget(a);
+    if (folds) PC_TRY(open_folds(a, ctx, folded, cut));
+    *more = (cut || folds || summits) && is_within_budget(a);
 done:
     pc_free(ctx, wish);
     pc_free(ctx, folded);
@@ -298,6 +321,7 @@ static pc_status take_back_around(adapting *a, pc_context *ctx) {
             a->matching.vertices.spot[v] = a->before.spot[v];
     }
     pc_tspline_update(a->spline);
+    pc_summits_follow(&a->matching.summits, a->spline, a->target, NULL);
     PC_TRY(measure(a, ctx));
 done:
     pc_region_free(&region, ctx);

@@ -102,6 +102,14 @@ static void rescue(pc_foot *foot, int n, const pc_mesh *mesh, const pc_adjacency
     }
 }
 
+pc_foot pc_foot_follow(const pc_foot *foot, const pc_target *target, const pc_surface_point *above,
+                       double let_go) {
+    pc_foot next = walk(target->mesh, target->adjacency, foot->triangle, above->p);
+    next.opposed = !faces(target->mesh, next.triangle, pc_cross(above->s, above->t));
+    next.stress = foot->stress;
+    return !foot->held || (!next.opposed && pc_distance(above->p, next.point) < let_go) ? next : *foot;
+}
+
 static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target, pc_index f,
                         double let_go) {
     const int n = feet->per_side;
@@ -112,10 +120,7 @@ static void follow_face(pc_footpoints *feet, const pc_tspline *spline, const pc_
         pc_footpoints_at(at, feet, f, i);
         const pc_surface_point x = pc_tspline_evaluate(spline, pc_tspline_place(spline, f, at[0], at[1]));
         g.point[i] = x.p, g.normal[i] = pc_cross(x.s, x.t);
-        pc_foot next = walk(target->mesh, target->adjacency, foot[i].triangle, x.p);
-        next.opposed = !faces(target->mesh, next.triangle, g.normal[i]);
-        next.stress = foot[i].stress;
-        if (!foot[i].held || (!next.opposed && pc_distance(x.p, next.point) < let_go)) foot[i] = next;
+        foot[i] = pc_foot_follow(foot + i, target, &x, let_go);
     }
     rescue(foot, n, target->mesh, target->adjacency, &g);
 }

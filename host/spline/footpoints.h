@@ -39,6 +39,9 @@ bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_i
 /* Feet i and j of face f are much farther apart than `step`, which the points above them are. */
 bool pc_footpoints_torn(const pc_footpoints *feet, pc_index f, int i, int j, double step);
 
+/* Where a foot below a point of the surface goes: see pc_footpoints_follow. */
+pc_foot pc_foot_follow(const pc_foot *foot, const pc_target *target, const pc_surface_point *above,
+                       double let_go);
 /* Every foot of a face with active[f] (NULL: all) walks downhill to the point of the scan nearest to the
  * surface's; one that is held only where that ends within `let_go` of the surface, and not opposed. */
 void pc_footpoints_follow(pc_footpoints *feet, const pc_tspline *spline, const pc_target *target,

@@ -8,7 +8,9 @@
 /* Of the samples on one face, distances in model units. */
 typedef struct pc_face_found {
     double max, sum;
-    double change[2]; /* sum of squared differences of the residual between neighbours along s and along t */
+    double at[2];      /* the farthest place on the face, */
+    pc_index triangle; /* ... and what of the scan is nearest to it */
+    double change[2];  /* sum of squared differences of the residual between neighbours along s and along t */
     uint32_t samples, beyond; /* beyond: nearest to a border of the scan; they are not in `max` and `sum` */
     bool known;               /* up to date */
 } pc_face_found;

@@ -20,18 +20,21 @@ done:
 void pc_matching_free(pc_matching *matching, pc_context *ctx) {
     pc_footpoints_free(&matching->feet, ctx);
     pc_correspondence_free(&matching->vertices, ctx);
+    pc_summits_free(&matching->summits, ctx);
 }
 
 void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target,
                         const uint8_t *active) {
     pc_footpoints_follow(&matching->feet, spline, target, matching->let_go, active);
     pc_correspondence_follow(&matching->vertices, spline, target, matching->let_go, active);
+    pc_summits_follow(&matching->summits, spline, target, active);
 }
 
 pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tspline *refined,
                             const pc_target *target) {
     pc_status status = PC_OK;
     PC_TRY(pc_correspondence_carry(&matching->vertices, ctx, &refined->mesh));
+    PC_TRY(pc_correspondence_carry(&matching->summits.places, ctx, &refined->mesh));
     PC_TRY(pc_footpoints_carry(&matching->feet, ctx, &refined->mesh));
     pc_matching_follow(matching, refined, target, NULL);
 done:

@@ -4,10 +4,12 @@
 
 #include "correspondence.h"
 #include "footpoints.h"
+#include "summit.h"
 
 typedef struct pc_matching {
     pc_footpoints feet;         /* of the surface on the scan */
     pc_correspondence vertices; /* of the scan on the surface */
+    pc_summits summits;         /* of the surface between its feet; none at first */
     double let_go;              /* pairs that are held are kept until following them leads as near as this */
 } pc_matching;
 

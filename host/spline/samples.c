@@ -7,11 +7,12 @@ typedef struct gathering {
     const pc_target *target;
     pc_footpoints *feet;
     pc_correspondence *vertices;
+    pc_summits *summits;
     const uint8_t *active; /* per face: its samples are wanted */
     double within,
         near;       /* the tolerance; samples farther away than `near` come to weigh more. 0: none does */
-    pc_sample *raw; /* of the scan's vertices, then of the grids; element PC_NONE: not used */
-    size_t count;   /* of both */
+    pc_sample *raw; /* of the scan's vertices, of the grids, of the summits; element PC_NONE: not used */
+    size_t count;   /* of all */
     double *distance;
     size_t *per_face; /* vertices of the scan at each face */
 } gathering;
@@ -59,6 +60,20 @@ static void sample_grids(gathering *g) {
         }
 }
 
+static size_t grid_count(const gathering *g) {
+    return (size_t)g->feet->face_count * (size_t)(g->feet->per_side * g->feet->per_side);
+}
+
+static void sample_summits(gathering *g) {
+    pc_sample *to = g->raw + g->vertices->count + grid_count(g);
+    for (pc_index i = 0; i < g->summits->places.count; i++) {
+        to[i].place.element = PC_NONE;
+        if (!is_wanted(g, g->summits->places.spot[i].face)) continue;
+        to[i].place = pc_correspondence_place(&g->summits->places, g->spline, i);
+        to[i].target = target_of(g, g->summits->foot + i, to[i].place);
+    }
+}
+
 static pc_status count_vertices(gathering *g, pc_context *ctx) {
     pc_status status = pc_new(&g->per_face, ctx, g->spline->mesh.face_count);
     for (size_t v = 0; v < g->vertices->count && status == PC_OK; v++)
@@ -68,13 +83,15 @@ static pc_status count_vertices(gathering *g, pc_context *ctx) {
 
 /* How often sample i was too far away. */
 static float *stress_of(const gathering *g, size_t i) {
-    return i < g->vertices->count ? &g->vertices->spot[i].stress
-                                  : &g->feet->foot[i - g->vertices->count].stress;
+    if (i < g->vertices->count) return &g->vertices->spot[i].stress;
+    i -= g->vertices->count;
+    return i < grid_count(g) ? &g->feet->foot[i].stress : &g->summits->foot[i - grid_count(g)].stress;
 }
 
-/* The vertices at a face share up to half of its weight, and its grid the rest. */
+/* The vertices at a face share up to half of its weight, and its grid the rest; a summit weighs as much as a
+ * point of the grid. */
 static double weigh(gathering *g, size_t i, double distance) {
-    const double few = 4, most = 100;
+    const double few = 4, most = 30;
     const double grid = (double)(g->feet->per_side * g->feet->per_side);
     const double vertices = (double)g->per_face[g->spline->basis.element[g->raw[i].place.element].face];
     const double share = 0.5 / (vertices + few); /* of one vertex */
@@ -130,20 +147,21 @@ pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline
                           const pc_target *target, pc_matching *matching, double within,
                           const uint8_t *active) {
     pc_status status = PC_OK;
-    pc_footpoints *feet = &matching->feet;
     gathering g = {.spline = spline,
                    .target = target,
-                   .feet = feet,
+                   .feet = &matching->feet,
                    .vertices = &matching->vertices,
+                   .summits = &matching->summits,
                    .active = active,
                    .within = within,
                    .near = 0.5 * within};
     *samples = (pc_samples){0};
-    g.count = g.vertices->count + (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
+    g.count = g.vertices->count + grid_count(&g) + g.summits->places.count;
     PC_TRY(pc_new(&g.raw, ctx, g.count));
     PC_TRY(pc_new(&g.distance, ctx, g.count));
     sample_vertices(&g);
     sample_grids(&g);
+    sample_summits(&g);
     PC_TRY(count_vertices(&g, ctx));
     weigh_all(&g);
     PC_TRY(find_farthest(&g, samples, ctx));

@@ -1,0 +1,68 @@
+#include "summit.h"
+#include "memory.h"
+
+static bool are_feet_near(const pc_tspline *spline, const pc_footpoints *feet, pc_index f, double tolerance) {
+    const int each = feet->per_side * feet->per_side;
+    for (int i = 0; i < each; i++) {
+        double at[2];
+        pc_footpoints_at(at, feet, f, i);
+        const pc_vec3 p = pc_tspline_point(spline, pc_tspline_place(spline, f, at[0], at[1]));
+        if (pc_distance(p, feet->foot[(size_t)f * (size_t)each + (size_t)i].point) > tolerance) return false;
+    }
+    return true;
+}
+
+/* Faces with a summit next to their farthest place. */
+static void mark_known(uint8_t *known, const pc_summits *summits, const pc_footpoints *feet,
+                       const pc_gauge *gauge) {
+    for (pc_index i = 0; i < summits->places.count; i++) {
+        const pc_spot *spot = summits->places.spot + i;
+        const double *at = gauge->face[spot->face].at, *size = feet->size + 2 * (size_t)spot->face;
+        known[spot->face] |= fabs(spot->at[0] - at[0]) * 2 * feet->per_side < size[0] &&
+                             fabs(spot->at[1] - at[1]) * 2 * feet->per_side < size[1];
+    }
+}
+
+pc_status pc_summits_find(pc_summits *summits, uint8_t *unseen, pc_context *ctx, const pc_tspline *spline,
+                          const pc_footpoints *feet, const pc_gauge *gauge, double tolerance) {
+    pc_status status = PC_OK;
+    const double most = 1.5; /* what is farther away is folded, and a sample there keeps it so */
+    const pc_index faces = gauge->face_count;
+    pc_index count = summits->places.count;
+    uint8_t *known = NULL;
+    PC_TRY(pc_new(&known, ctx, faces));
+    mark_known(known, summits, feet, gauge);
+    for (pc_index f = 0; f < faces; f++) {
+        unseen[f] = !spline->mesh.face[f].ghost && !known[f] && gauge->face[f].max > tolerance &&
+                    gauge->face[f].max < most * tolerance && are_feet_near(spline, feet, f, tolerance);
+        count += unseen[f];
+    }
+    PC_TRY(pc_resize(&summits->places.spot, ctx, count));
+    PC_TRY(pc_resize(&summits->foot, ctx, count));
+    for (pc_index f = 0; f < faces; f++) {
+        const pc_face_found *found = gauge->face + f;
+        if (!unseen[f]) continue;
+        summits->places.spot[summits->places.count] = (pc_spot){f, {found->at[0], found->at[1]}, 1, false};
+        summits->foot[summits->places.count++] = (pc_foot){.triangle = found->triangle, .stress = 1};
+    }
+done:
+    pc_free(ctx, known);
+    return status;
+}
+
+void pc_summits_follow(pc_summits *summits, const pc_tspline *spline, const pc_target *target,
+                       const uint8_t *active) {
+    const double always = INFINITY;
+    for (pc_index i = 0; i < summits->places.count; i++) {
+        if (active && !active[summits->places.spot[i].face]) continue;
+        const pc_surface_place place = pc_correspondence_place(&summits->places, spline, i);
+        const pc_surface_point x = pc_tspline_evaluate(spline, place);
+        summits->foot[i] = pc_foot_follow(summits->foot + i, target, &x, always);
+    }
+}
+
+void pc_summits_free(pc_summits *summits, pc_context *ctx) {
+    pc_correspondence_free(&summits->places, ctx);
+    pc_free(ctx, summits->foot);
+    *summits = (pc_summits){0};
+}
