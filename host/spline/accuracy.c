@@ -199,7 +199,8 @@ static pc_status measure_scan(pc_accuracy *accuracy, pc_face_error *error, pc_co
     PC_TRY(pc_new(&far, ctx, count));
     ask_places(vertex, spline, target, options->places);
     for (pc_index v = 0; v < count; v++)
-        if (target->adjacency->vertex_half[v] != PC_NONE && vertex[v].distance > options->near)
+        if (target->adjacency->vertex_half[v] != PC_NONE &&
+            (vertex[v].face == PC_NONE || !(vertex[v].distance <= options->near)))
             far[far_count++] = v;
     if (far_count) PC_TRY(ask_surface(vertex, ctx, spline, target, far, far_count));
     for (pc_index v = 0; v < count; v++) {

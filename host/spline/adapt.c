@@ -37,12 +37,13 @@ static void choose(uint8_t *wish, const pc_tspline *spline, const pc_face_error 
     }
 }
 
-/* A surface and its matching as they were before folds were opened. */
+/* A surface and its matching as they were before folds were opened or smoothed out. */
 typedef struct snapshot {
     double *position; /* NULL: none was taken */
     pc_foot *foot;
     pc_spot *spot;
-    pc_face_error *error;
+    pc_foot *summit; /* those of the summits */
+    pc_index summits;
     pc_accuracy accuracy;
     pc_index folds;
 } snapshot;
@@ -75,7 +76,7 @@ static void drop_snapshot(snapshot *s, pc_context *ctx) {
     pc_free(ctx, s->position);
     pc_free(ctx, s->foot);
     pc_free(ctx, s->spot);
-    pc_free(ctx, s->error);
+    pc_free(ctx, s->summit);
     *s = (snapshot){0};
 }
 
@@ -84,29 +85,30 @@ static pc_status take_snapshot(adapting *a, pc_context *ctx, pc_index folds) {
     const pc_tmesh *mesh = &a->spline->mesh;
     snapshot *s = &a->before;
     drop_snapshot(s, ctx); /* of an opening that has served */
-    s->accuracy = a->stats->accuracy, s->folds = folds;
+    s->accuracy = a->stats->accuracy, s->folds = folds, s->summits = a->matching.summits.places.count;
     PC_TRY(pc_new(&s->position, ctx, 3 * (size_t)mesh->vertex_count));
     PC_TRY(pc_new(&s->foot, ctx, foot_count(a)));
     PC_TRY(pc_new(&s->spot, ctx, a->matching.vertices.count));
-    PC_TRY(pc_new(&s->error, ctx, mesh->face_count));
+    PC_TRY(pc_new(&s->summit, ctx, s->summits));
     memcpy(s->position, a->spline->position, 3 * (size_t)mesh->vertex_count * sizeof *s->position);
     memcpy(s->foot, a->matching.feet.foot, foot_count(a) * sizeof *s->foot);
     memcpy(s->spot, a->matching.vertices.spot, a->matching.vertices.count * sizeof *s->spot);
-    memcpy(s->error, a->error, mesh->face_count * sizeof *s->error);
+    for (pc_index i = 0; i < s->summits; i++)
+        s->summit[i] = a->matching.summits.foot[i];
 done:
     return status;
 }
 
-/* The mesh has not changed since. */
+/* The mesh has not changed since; distances are to be measured again. */
 static void go_back_to(adapting *a, const snapshot *s) {
     const pc_tmesh *mesh = &a->spline->mesh;
-    a->stats->accuracy = s->accuracy;
     memcpy(a->spline->position, s->position, 3 * (size_t)mesh->vertex_count * sizeof *s->position);
     memcpy(a->matching.feet.foot, s->foot, foot_count(a) * sizeof *s->foot);
     memcpy(a->matching.vertices.spot, s->spot, a->matching.vertices.count * sizeof *s->spot);
-    memcpy(a->error, s->error, mesh->face_count * sizeof *s->error);
+    a->matching.summits.places.count = s->summits; /* later ones come after */
+    for (pc_index i = 0; i < s->summits; i++)
+        a->matching.summits.foot[i] = s->summit[i];
     pc_tspline_update(a->spline);
-    pc_summits_follow(&a->matching.summits, a->spline, a->target, NULL);
 }
 
 static pc_status measure(adapting *a, pc_context *ctx) {
@@ -187,21 +189,23 @@ static pc_index find_folds(const adapting *a, uint8_t *folded) {
     return pc_folds_find(folded, a->spline, a->target, &a->matching, a->error, a->options->tolerance);
 }
 
-/* Whether opening folds has made things worse; then they are as they were before. */
-static bool take_back(adapting *a, pc_context *ctx, uint8_t *folded, pc_index *folds) {
-    const bool worse =
-        a->before.position && a->stats->accuracy.max > a->before.accuracy.max && *folds >= a->before.folds;
-    if (worse) {
+/* Where opening folds has made things worse they are as they were before, and left alone this time. */
+static pc_status take_back(adapting *a, pc_context *ctx, uint8_t *folded, pc_index *folds) {
+    pc_status status = PC_OK;
+    if (a->before.position && a->stats->accuracy.max > a->before.accuracy.max && *folds >= a->before.folds) {
         go_back_to(a, &a->before);
-        *folds = find_folds(a, folded);
-        pc_log(ctx, PC_LOG_DEBUG, "spline: %u faces stay folded, what was laid flat is taken back", *folds);
+        PC_TRY(measure(a, ctx));
+        pc_log(ctx, PC_LOG_DEBUG, "spline: %u faces stay folded, what was laid flat is taken back",
+               find_folds(a, folded));
+        *folds = 0;
     }
+done:
     drop_snapshot(&a->before, ctx);
-    return worse;
+    return status;
 }
 
 /* Faces that are too far away where the fit has not looked: it will; they are not refined yet, unless a
- * vertex of the scan is too far from them, too. */
+ * vertex of the scan is farther still. */
 static pc_status look_closer(pc_index *found, uint8_t *wish, adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
     const pc_index faces = a->spline->mesh.face_count;
@@ -235,7 +239,7 @@ static pc_status refine(bool *more, adapting *a, pc_context *ctx) {
     PC_TRY(pc_new(&folded, ctx, faces));
     PC_TRY(pc_new(&wish, ctx, faces));
     pc_index folds = find_folds(a, folded);
-    if (take_back(a, ctx, folded, &folds)) folds = 0; /* they are left alone this time */
+    PC_TRY(take_back(a, ctx, folded, &folds));
     a->opened = folds && !a->opened;
     if (a->opened)
         PC_TRY(take_snapshot(a, ctx, folds));
@@ -320,8 +324,10 @@ static pc_status take_back_around(adapting *a, pc_context *ctx) {
         if ((now != PC_NONE && region.active[now]) || (then != PC_NONE && region.active[then]))
             a->matching.vertices.spot[v] = a->before.spot[v];
     }
+    for (pc_index i = 0; i < a->before.summits; i++)
+        if (region.active[a->matching.summits.places.spot[i].face])
+            a->matching.summits.foot[i] = a->before.summit[i];
     pc_tspline_update(a->spline);
-    pc_summits_follow(&a->matching.summits, a->spline, a->target, NULL);
     PC_TRY(measure(a, ctx));
 done:
     pc_region_free(&region, ctx);

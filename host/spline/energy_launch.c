@@ -97,6 +97,7 @@ static void free_buffers(buffers *b, pc_context *ctx) {
 typedef struct pc_energy_resident {
     part part;
     buffers buffers;
+    const pc_device *device;
     double fairness;
 } pc_energy_resident;
 
@@ -107,7 +108,6 @@ static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, 
     const size_t n = p->element_count;
     uint32_t *first = NULL;
     double *sample = NULL, *bezier = NULL;
-    free_samples(b, ctx);
     PC_TRY(pc_new(&first, ctx, n + 1));
     for (size_t k = 0; k < n; k++) {
         const pc_index e = energy->element[p->element[k]];
@@ -313,6 +313,7 @@ static pc_status fill_part(pc_energy *energy, pc_context *ctx, pc_device *device
     PC_TRY(run(b, ctx, device, p, samples_of(energy, work, p)));
     PC_TRY(fetch(energy, ctx, b, p));
 done:
+    free_samples(b, ctx);
     return status;
 }
 
@@ -345,12 +346,12 @@ pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device
     pc_energy_resident *resident = energy->resident;
     PC_TRY(pc_device_require_doubles(device, ctx, "the fit of a surface"));
     if (!energy->row_count) return PC_OK;
-    if (resident && resident->fairness == work->fairness &&
+    if (resident && resident->device == device && resident->fairness == work->fairness &&
         samples_of(energy, work, &resident->part) * SAMPLE * sizeof(double) <= cap)
         return fill_part(energy, ctx, device, work, &resident->part, &resident->buffers);
     pc_energy_withdraw(energy, ctx);
     PC_TRY(pc_new(&energy->resident, ctx, 1));
-    energy->resident->fairness = work->fairness;
+    energy->resident->device = device, energy->resident->fairness = work->fairness;
     PC_TRY(launch_parts(energy, ctx, device, work, cap, energy->resident));
 done:
     if (energy->resident && (status != PC_OK || energy->resident->part.from > 0))

@@ -13,10 +13,10 @@ typedef struct pc_samples {
 } pc_samples;
 
 /* The foot points and summits of every face with active[f] (NULL: all), and the vertices of the scan at their
- * places there. At first the weights of a face sum to 1. Each call multiplies the weight of every sample by
- * its distance over half of `within`, up to 30 times what it was and never below: least squares fitted again
- * and again come close to the smallest largest distance (Lawson 1961). `within` 0: no weight changes. The
- * factors are kept in `matching`. PC_E_NOMEM. */
+ * places there. At first the weights of a face without summits sum to 1. Each call multiplies the weight of
+ * every sample by its distance over half of `within`, up to 30 times what it was and never below: least
+ * squares fitted again and again come close to the smallest largest distance (Lawson 1961). `within` 0: no
+ * weight changes. The factors are kept in `matching`. PC_E_NOMEM. */
 pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline *spline,
                           const pc_target *target, pc_matching *matching, double within,
                           const uint8_t *active);

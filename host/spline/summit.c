@@ -33,7 +33,7 @@ pc_status pc_summits_find(pc_summits *summits, uint8_t *unseen, pc_context *ctx,
     PC_TRY(pc_new(&known, ctx, faces));
     mark_known(known, summits, feet, gauge);
     for (pc_index f = 0; f < faces; f++) {
-        unseen[f] = !spline->mesh.face[f].ghost && !known[f] && gauge->face[f].max > tolerance &&
+        unseen[f] = gauge->face[f].known && !known[f] && gauge->face[f].max > tolerance &&
                     gauge->face[f].max < most * tolerance && are_feet_near(spline, feet, f, tolerance);
         count += unseen[f];
     }
@@ -52,12 +52,13 @@ done:
 
 void pc_summits_follow(pc_summits *summits, const pc_tspline *spline, const pc_target *target,
                        const uint8_t *active) {
-    const double always = INFINITY;
+    const double at_once = INFINITY; /* none is held */
+#pragma omp parallel for schedule(dynamic, 64)
     for (pc_index i = 0; i < summits->places.count; i++) {
         if (active && !active[summits->places.spot[i].face]) continue;
         const pc_surface_place place = pc_correspondence_place(&summits->places, spline, i);
         const pc_surface_point x = pc_tspline_evaluate(spline, place);
-        summits->foot[i] = pc_foot_follow(summits->foot + i, target, &x, always);
+        summits->foot[i] = pc_foot_follow(summits->foot + i, target, &x, at_once);
     }
 }
 

@@ -1,5 +1,6 @@
 /* Places where the surface is too far from the scan while the feet of their faces, which lie around them, are
- * all near. They become samples of the fit, too: the surface is pulled back there without being refined. */
+ * all near. They become samples of the fit, too: the surface is pulled back there without being refined. They
+ * stay where a face is cut: its parts' feet may miss them as well. */
 #ifndef PC_SUMMIT_H
 #define PC_SUMMIT_H
 
