@@ -85,10 +85,10 @@ static void a_miss_is_tried_again(void **state) {
 
 static void what_is_no_better_is_left(void **state) {
     tale t;
-    make_scan(*state, 1, 3, 36);
-    assert_int_equal(convert(&t, "missed", 0.001, false, PC_STAGE_COUNT), PC_E_NOCONV);
+    make_scan(*state, 1, 3, 42);
+    assert_int_equal(convert(&t, "missed", 0.0008, false, PC_STAGE_COUNT), PC_E_NOCONV);
     assert_int_equal(t.made, 3);
-    assert_int_equal(convert(&t, "missed", 0.001, true, PC_STAGE_COUNT), PC_E_NOCONV);
+    assert_int_equal(convert(&t, "missed", 0.0008, true, PC_STAGE_COUNT), PC_E_NOCONV);
     assert_int_equal(t.made, 0);
 }
 
