@@ -178,6 +178,12 @@ kernel void fit_bending(global double *restrict value, global double *restrict d
     }
 }
 
+/* Four neighbours of a line of 7 moments, moved along it and weighted. */
+inline double4 slide(global const double *line, double4 weight) {
+    return weight.x * vload4(0, line) + weight.y * vload4(0, line + 1) + weight.z * vload4(0, line + 2) +
+           weight.w * vload4(0, line + 3);
+}
+
 /* y = the matrix of an element's samples times c[4j+i]. */
 inline void apply_moments(double4 *y, global const double *moment, const double4 *c) {
     const double4 binomial = (double4)(1, 3, 3, 1);
@@ -185,11 +191,8 @@ inline void apply_moments(double4 *y, global const double *moment, const double4
         y[j] = 0;
     for (int l = 0; l < 4; l++) {
         const double4 scale = binomial * c[l] * (l == 1 || l == 2 ? 3.0 : 1.0);
-        for (int j = 0; j < 4; j++) {
-            global const double *line = moment + 7 * (j + l);
-            y[j] +=
-                scale.x * vload4(0, line) + scale.y * vload4(0, line + 1) + scale.z * vload4(0, line + 2) + scale.w * vload4(0, line + 3);
-        }
+        for (int j = 0; j < 4; j++)
+            y[j] += slide(moment + 7 * (j + l), scale);
     }
     for (int j = 0; j < 4; j++)
         y[j] *= binomial * (j == 1 || j == 2 ? 3.0 : 1.0);
@@ -200,10 +203,8 @@ inline void apply_product(double4 *y, global const double *moment, double4 a, do
     const double4 binomial = (double4)(1, 3, 3, 1);
     double4 along[7];
     a *= binomial, b *= binomial;
-    for (int j = 0; j < 7; j++) {
-        global const double *line = moment + 7 * j;
-        along[j] = a.x * vload4(0, line) + a.y * vload4(0, line + 1) + a.z * vload4(0, line + 2) + a.w * vload4(0, line + 3);
-    }
+    for (int j = 0; j < 7; j++)
+        along[j] = slide(moment + 7 * j, a);
     for (int j = 0; j < 4; j++)
         y[j] = (b.x * along[j] + b.y * along[j + 1] + b.z * along[j + 2] + b.w * along[j + 3]) * binomial *
                (j == 1 || j == 2 ? 3.0 : 1.0);

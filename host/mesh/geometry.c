@@ -70,15 +70,19 @@ void pc_triangle_angles(double angle[3], pc_vec3 a, pc_vec3 b, pc_vec3 c) {
     if (zero_edges == 1) angle[(zero_edge + 2) % 3] = 0;
 }
 
-pc_box pc_geometry_box(const pc_mesh *mesh) {
+pc_box pc_box_of(const double *position, size_t count) {
     pc_box box = {{0, 0, 0}, {0, 0, 0}};
-    for (size_t v = 0; v < mesh->vertex_count; v++) {
-        pc_vec3 p = pc_vec3_at(mesh->position, v);
-        if (!v) box.low = box.high = p;
+    for (size_t i = 0; i < count; i++) {
+        pc_vec3 p = pc_vec3_at(position, i);
+        if (!i) box.low = box.high = p;
         box.low = (pc_vec3){fmin(box.low.x, p.x), fmin(box.low.y, p.y), fmin(box.low.z, p.z)};
         box.high = (pc_vec3){fmax(box.high.x, p.x), fmax(box.high.y, p.y), fmax(box.high.z, p.z)};
     }
     return box;
+}
+
+pc_box pc_geometry_box(const pc_mesh *mesh) {
+    return pc_box_of(mesh->position, mesh->vertex_count);
 }
 
 double pc_box_diagonal(pc_box box) {

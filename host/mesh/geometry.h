@@ -37,6 +37,8 @@ void pc_triangle_angles(double angle[3], pc_vec3 a, pc_vec3 b, pc_vec3 c);
 
 /* Of the vertices that are there, used or not; an empty mesh gives a box of zeros. */
 pc_box pc_geometry_box(const pc_mesh *mesh);
+/* Of `count` points, 3 each. */
+pc_box pc_box_of(const double *position, size_t count);
 double pc_box_diagonal(pc_box box);
 /* Sum of the face areas, in the user's units squared. */
 double pc_geometry_area(const pc_mesh *mesh);

@@ -67,11 +67,6 @@ typedef struct adapting {
     snapshot before;  /* folds were opened or smoothed out */
 } adapting;
 
-static size_t foot_count(const adapting *a) {
-    return (size_t)a->matching.feet.face_count *
-           (size_t)(a->matching.feet.per_side * a->matching.feet.per_side);
-}
-
 static void drop_snapshot(snapshot *s, pc_context *ctx) {
     pc_free(ctx, s->position);
     pc_free(ctx, s->foot);
@@ -87,11 +82,11 @@ static pc_status take_snapshot(adapting *a, pc_context *ctx, pc_index folds) {
     drop_snapshot(s, ctx); /* of an opening that has served */
     s->accuracy = a->stats->accuracy, s->folds = folds, s->summits = a->matching.summits.places.count;
     PC_TRY(pc_new(&s->position, ctx, 3 * (size_t)mesh->vertex_count));
-    PC_TRY(pc_new(&s->foot, ctx, foot_count(a)));
+    PC_TRY(pc_new(&s->foot, ctx, pc_footpoints_count(&a->matching.feet)));
     PC_TRY(pc_new(&s->spot, ctx, a->matching.vertices.count));
     PC_TRY(pc_new(&s->summit, ctx, s->summits));
     memcpy(s->position, a->spline->position, 3 * (size_t)mesh->vertex_count * sizeof *s->position);
-    memcpy(s->foot, a->matching.feet.foot, foot_count(a) * sizeof *s->foot);
+    memcpy(s->foot, a->matching.feet.foot, pc_footpoints_count(&a->matching.feet) * sizeof *s->foot);
     memcpy(s->spot, a->matching.vertices.spot, a->matching.vertices.count * sizeof *s->spot);
     for (pc_index i = 0; i < s->summits; i++)
         s->summit[i] = a->matching.summits.foot[i];
@@ -103,7 +98,7 @@ done:
 static void go_back_to(adapting *a, const snapshot *s) {
     const pc_tmesh *mesh = &a->spline->mesh;
     memcpy(a->spline->position, s->position, 3 * (size_t)mesh->vertex_count * sizeof *s->position);
-    memcpy(a->matching.feet.foot, s->foot, foot_count(a) * sizeof *s->foot);
+    memcpy(a->matching.feet.foot, s->foot, pc_footpoints_count(&a->matching.feet) * sizeof *s->foot);
     memcpy(a->matching.vertices.spot, s->spot, a->matching.vertices.count * sizeof *s->spot);
     a->matching.summits.places.count = s->summits; /* later ones come after */
     for (pc_index i = 0; i < s->summits; i++)
@@ -195,8 +190,8 @@ static pc_status take_back(adapting *a, pc_context *ctx, uint8_t *folded, pc_ind
     if (a->before.position && a->stats->accuracy.max > a->before.accuracy.max && *folds >= a->before.folds) {
         go_back_to(a, &a->before);
         PC_TRY(measure(a, ctx));
-        pc_log(ctx, PC_LOG_DEBUG, "spline: %u faces stay folded, what was laid flat is taken back",
-               find_folds(a, folded));
+        const pc_index left = find_folds(a, folded);
+        pc_log(ctx, PC_LOG_DEBUG, "spline: %u faces stay folded, what was laid flat is taken back", left);
         *folds = 0;
     }
 done:

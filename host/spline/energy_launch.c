@@ -14,7 +14,7 @@ typedef struct part {
     pc_index from, to;
     pc_index element_count;
     pc_index *element; /* places in the energy's list, ascending */
-    size_t sample_count, coefficient_count;
+    size_t coefficient_count;
     uint32_t *local; /* per element of the energy's list: place in `element`; PC_NONE */
 } part;
 
@@ -32,10 +32,11 @@ static size_t largest(const size_t *bytes, size_t count) {
 /* The rows from part->from on that fit, one at least; p->local tells the elements by their part's number. */
 static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *work, size_t cap) {
     const pc_basis *basis = &energy->spline->basis;
-    p->element_count = 0, p->sample_count = p->coefficient_count = 0;
+    size_t sample_count = 0;
+    p->element_count = 0, p->coefficient_count = 0;
     memset(p->local, 0xff, energy->element_count * sizeof *p->local);
     for (p->to = p->from; p->to < energy->row_count; p->to++) {
-        size_t elements = p->element_count, samples = p->sample_count, coefficients = p->coefficient_count;
+        size_t elements = p->element_count, samples = sample_count, coefficients = p->coefficient_count;
         for (size_t u = energy->start[p->to]; u < energy->start[p->to + 1]; u++) {
             const pc_index i = energy->use_element[u], e = energy->element[i];
             if (p->local[i] != PC_NONE) continue;
@@ -55,7 +56,7 @@ static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *
             break;
         }
         p->element_count = (pc_index)elements;
-        p->sample_count = samples, p->coefficient_count = coefficients;
+        sample_count = samples, p->coefficient_count = coefficients;
     }
     pc_index count = 0;
     for (pc_index i = 0; i < energy->element_count; i++)
@@ -101,8 +102,8 @@ typedef struct pc_energy_resident {
     double fairness;
 } pc_energy_resident;
 
-static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, const pc_energy *energy,
-                                const pc_energy_work *work, const part *p) {
+static pc_status upload_samples(buffers *b, size_t *count, pc_context *ctx, pc_device *device,
+                                const pc_energy *energy, const pc_energy_work *work, const part *p) {
     pc_status status = PC_OK;
     const pc_tspline *spline = energy->spline;
     const size_t n = p->element_count;
@@ -113,8 +114,9 @@ static pc_status upload_samples(buffers *b, pc_context *ctx, pc_device *device, 
         const pc_index e = energy->element[p->element[k]];
         first[k + 1] = first[k] + (uint32_t)(work->first[e + 1] - work->first[e]);
     }
+    *count = first[n];
     PC_TRY(pc_buffer_from(&b->first, ctx, device, first, (n + 1) * sizeof *first));
-    PC_TRY(pc_buffer_make(&b->sample, ctx, device, SAMPLE * (size_t)first[n] * sizeof *sample));
+    PC_TRY(pc_buffer_make(&b->sample, ctx, device, SAMPLE * *count * sizeof *sample));
     PC_TRY(pc_buffer_make(&b->bezier, ctx, device, 48 * n * sizeof *bezier));
     PC_TRY(pc_buffer_map(&sample, ctx, b->sample));
     PC_TRY(pc_buffer_map(&bezier, ctx, b->bezier));
@@ -309,8 +311,9 @@ static size_t samples_of(const pc_energy *energy, const pc_energy_work *work, co
 static pc_status fill_part(pc_energy *energy, pc_context *ctx, pc_device *device, const pc_energy_work *work,
                            const part *p, buffers *b) {
     pc_status status = PC_OK;
-    PC_TRY(upload_samples(b, ctx, device, energy, work, p));
-    PC_TRY(run(b, ctx, device, p, samples_of(energy, work, p)));
+    size_t samples = 0;
+    PC_TRY(upload_samples(b, &samples, ctx, device, energy, work, p));
+    PC_TRY(run(b, ctx, device, p, samples));
     PC_TRY(fetch(energy, ctx, b, p));
 done:
     free_samples(b, ctx);
@@ -332,7 +335,7 @@ static pc_status launch_parts(pc_energy *energy, pc_context *ctx, pc_device *dev
         PC_TRY(upload_bending(b, ctx, device, energy, p, work->fairness));
         PC_TRY(make_rows(b, ctx, device, energy, p));
         PC_TRY(fill_part(energy, ctx, device, work, p, b));
-        if (p->from == 0 && p->to == energy->row_count) break;
+        if (p->from == 0 && p->to == energy->row_count) break; /* it stays */
     }
 done:
     return status;

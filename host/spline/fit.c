@@ -1,23 +1,10 @@
 #include "fit.h"
+#include "geometry.h"
 #include "memory.h"
 #include "region.h"
 #include "samples.h"
 #include "threefold.h"
 #include <string.h>
-
-/* Half the diagonal of the box around the control points. */
-static double extent_of(const pc_tspline *spline) {
-    double low[3], high[3], square = 0;
-    for (int k = 0; k < 3; k++)
-        low[k] = high[k] = spline->position[k];
-    for (size_t i = 0; i < 3 * (size_t)spline->mesh.vertex_count; i++) {
-        low[i % 3] = fmin(low[i % 3], spline->position[i]);
-        high[i % 3] = fmax(high[i % 3], spline->position[i]);
-    }
-    for (int k = 0; k < 3; k++)
-        square += (high[k] - low[k]) * (high[k] - low[k]);
-    return 0.5 * sqrt(square);
-}
 
 enum { FIRST_ROUNDS = 3 };
 
@@ -47,13 +34,14 @@ static pc_status solve(fitting *f, pc_context *ctx) {
     pc_status status = PC_OK;
     pc_threefold *solver = NULL;
     pc_threefold_stats solved = {0};
+    const double extent = pc_box_diagonal(pc_box_of(f->spline->position, f->spline->mesh.vertex_count)) / 2;
     double square = 0, size[3] = {0}, goal[3], worst = 0;
     for (pc_index r = 0; r < rows; r++)
         square += energy->system.diagonal[r] * energy->system.diagonal[r];
     for (size_t i = 0; i < 3 * (size_t)rows; i++)
         size[i % 3] += energy->right[i] * energy->right[i];
     for (int k = 0; k < 3; k++)
-        goal[k] = fmax(f->options->tolerance * extent_of(f->spline) * sqrt(square), relative * sqrt(size[k]));
+        goal[k] = fmax(f->options->tolerance * extent * sqrt(square), relative * sqrt(size[k]));
     memset(f->move, 0, 3 * (size_t)rows * sizeof *f->move);
     PC_TRY(pc_threefold_make(&solver, ctx, f->device, &energy->system));
     status = pc_threefold_solve(solver, ctx, &solved, f->move, energy->right, goal, MOST_ITERATIONS);

@@ -22,6 +22,10 @@ typedef struct pc_footpoints {
     pc_foot *foot;       /* per_side^2 per face, the centres of as many equal parts, s first */
 } pc_footpoints;
 
+/* Feet of all faces. */
+static inline size_t pc_footpoints_count(const pc_footpoints *feet) {
+    return (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
+}
 /* Grids without feet. PC_E_NOMEM. */
 pc_status pc_footpoints_make(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh, int per_side);
 void pc_footpoints_free(pc_footpoints *feet, pc_context *ctx);

@@ -1,4 +1,5 @@
 #include "nearest.h"
+#include "geometry.h"
 #include "memory.h"
 #include <string.h>
 
@@ -58,15 +59,9 @@ pc_status pc_facets_make(pc_facets *facets, pc_context *ctx, const pc_tspline *s
 
 /* The middle of a box around the element's Bezier points, and with that half its diagonal. */
 static pc_vec3 element_middle(double *radius, const pc_tspline *spline, pc_index e) {
-    const double *bezier = spline->bezier + 48 * (size_t)e;
-    double low[3], high[3];
-    for (int i = 0; i < 48; i++) {
-        low[i % 3] = i < 3 ? bezier[i] : fmin(low[i % 3], bezier[i]);
-        high[i % 3] = i < 3 ? bezier[i] : fmax(high[i % 3], bezier[i]);
-    }
-    const pc_vec3 from = {low[0], low[1], low[2]}, to = {high[0], high[1], high[2]};
-    *radius = pc_distance(from, to) / 2;
-    return pc_scale(0.5, pc_add(from, to));
+    const pc_box box = pc_box_of(spline->bezier + 48 * (size_t)e, 16);
+    *radius = pc_box_diagonal(box) / 2;
+    return pc_scale(0.5, pc_add(box.low, box.high));
 }
 
 pc_status pc_facets_make_near(pc_facets *facets, pc_context *ctx, const pc_tspline *spline, int per_side,

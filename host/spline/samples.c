@@ -60,12 +60,8 @@ static void sample_grids(gathering *g) {
         }
 }
 
-static size_t grid_count(const gathering *g) {
-    return (size_t)g->feet->face_count * (size_t)(g->feet->per_side * g->feet->per_side);
-}
-
 static void sample_summits(gathering *g) {
-    pc_sample *to = g->raw + g->vertices->count + grid_count(g);
+    pc_sample *to = g->raw + g->vertices->count + pc_footpoints_count(g->feet);
     for (pc_index i = 0; i < g->summits->places.count; i++) {
         to[i].place.element = PC_NONE;
         if (!is_wanted(g, g->summits->places.spot[i].face)) continue;
@@ -85,7 +81,8 @@ static pc_status count_vertices(gathering *g, pc_context *ctx) {
 static float *stress_of(const gathering *g, size_t i) {
     if (i < g->vertices->count) return &g->vertices->spot[i].stress;
     i -= g->vertices->count;
-    return i < grid_count(g) ? &g->feet->foot[i].stress : &g->summits->foot[i - grid_count(g)].stress;
+    const size_t feet = pc_footpoints_count(g->feet);
+    return i < feet ? &g->feet->foot[i].stress : &g->summits->foot[i - feet].stress;
 }
 
 /* The vertices at a face share up to half of its weight, and its grid the rest; a summit weighs as much as a
@@ -156,7 +153,7 @@ pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline
                    .within = within,
                    .near = 0.5 * within};
     *samples = (pc_samples){0};
-    g.count = g.vertices->count + grid_count(&g) + g.summits->places.count;
+    g.count = g.vertices->count + pc_footpoints_count(g.feet) + g.summits->places.count;
     PC_TRY(pc_new(&g.raw, ctx, g.count));
     PC_TRY(pc_new(&g.distance, ctx, g.count));
     sample_vertices(&g);

@@ -4,27 +4,8 @@
 #include "matching.h"
 #include "memory.h"
 #include "samples.h"
+#include "scan_scene.h"
 #include "spline_samples.h"
-#include "synth.h"
-#include "testing.h"
-#include <math.h>
-
-typedef struct scene {
-    pc_mesh scan;
-    pc_adjacency adjacency;
-    pc_target target;
-} scene;
-
-static void open_scene(scene *s, pc_context *ctx) {
-    assert_ok(ctx, pc_adjacency_make(&s->adjacency, ctx, &s->scan));
-    assert_ok(ctx, pc_target_make(&s->target, ctx, &s->scan, &s->adjacency));
-}
-
-static void close_scene(scene *s, pc_context *ctx) {
-    pc_target_free(&s->target, ctx);
-    pc_adjacency_free(&s->adjacency, ctx);
-    pc_mesh_free(&s->scan, ctx);
-}
 
 /* Moves one control point in `rarity`. */
 static void shake(pc_tspline *spline, pc_random *random, double size, int rarity) {
@@ -140,12 +121,7 @@ static void summits_become_samples(void **state) {
     const pc_tmesh_options defaults = PC_TMESH_DEFAULTS;
     const pc_accuracy_options measuring = {.per_side = 6, .near = 0, .gauge = &gauge};
     uint8_t *unseen = NULL;
-    assert_ok(ctx, pc_synth_plane(&s.scan, ctx, 5, 5, 120, 120));
-    for (pc_index v = 0; v < s.scan.vertex_count; v++) {
-        double *p = s.scan.position + 3 * (size_t)v;
-        p[2] = 0.01 * exp(-(pow(p[0] - 2.5, 2) + pow(p[1] - 2.5, 2)) / 0.006);
-    }
-    open_scene(&s, ctx);
+    open_bump(&s, ctx, 5, 120, 2.5, 2.5, 0.01, 0.006);
     assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 5, 5, 5, 5));
     assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
     assert_ok(ctx,

@@ -6,34 +6,12 @@
 #include "memory.h"
 #include "random.h"
 #include "samples.h"
-#include "synth.h"
+#include "scan_scene.h"
 #include "synth_quads.h"
-#include "testing.h"
-#include <math.h>
 
 static const pc_tmesh_options defaults = PC_TMESH_DEFAULTS;
 /* At every vertex of the scan; 5 x 5 samples per face. */
 static const pc_accuracy_options measuring = {.per_side = 5};
-
-typedef struct scene {
-    pc_mesh scan;
-    pc_adjacency adjacency;
-    pc_target target;
-    pc_device *host;
-} scene;
-
-static void open_scene(scene *s, pc_context *ctx) {
-    assert_ok(ctx, pc_adjacency_make(&s->adjacency, ctx, &s->scan));
-    assert_ok(ctx, pc_target_make(&s->target, ctx, &s->scan, &s->adjacency));
-    assert_ok(ctx, pc_device_open(&s->host, ctx, "host"));
-}
-
-static void close_scene(scene *s, pc_context *ctx) {
-    pc_device_close(s->host, ctx);
-    pc_target_free(&s->target, ctx);
-    pc_adjacency_free(&s->adjacency, ctx);
-    pc_mesh_free(&s->scan, ctx);
-}
 
 /* Samples on the spline itself, `each` on every element. */
 static pc_sample *samples_of(pc_context *ctx, const pc_tspline *spline, pc_index each) {
@@ -240,12 +218,7 @@ static void weights_serve_the_largest_distance(void **state) {
     pc_context *ctx = *state;
     scene s = {0};
     pc_polymesh quads;
-    assert_ok(ctx, pc_synth_plane(&s.scan, ctx, 8, 8, 96, 96));
-    for (pc_index v = 0; v < s.scan.vertex_count; v++) {
-        double *p = s.scan.position + 3 * (size_t)v;
-        p[2] = 0.5 * exp(-(pow(p[0] - 4.3, 2) + pow(p[1] - 3.8, 2)) / 0.3);
-    }
-    open_scene(&s, ctx);
+    open_bump(&s, ctx, 8, 96, 4.3, 3.8, 0.5, 0.3);
     assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 8, 8, 10, 10));
     const double plain = largest_distance(ctx, &s, &quads, 0);
     const double weighted = largest_distance(ctx, &s, &quads, 0.7 * plain);
@@ -266,12 +239,7 @@ static void summits_between_samples_are_found(void **state) {
         pc_accuracy found[3];
         pc_random random = {seed};
         const double x = 2 + pc_random_uniform(&random), y = 2 + pc_random_uniform(&random);
-        assert_ok(ctx, pc_synth_plane(&s.scan, ctx, 5, 5, 120, 120));
-        for (pc_index v = 0; v < s.scan.vertex_count; v++) {
-            double *p = s.scan.position + 3 * (size_t)v;
-            p[2] = 0.01 * exp(-(pow(p[0] - x, 2) + pow(p[1] - y, 2)) / 0.03);
-        }
-        open_scene(&s, ctx);
+        open_bump(&s, ctx, 5, 120, x, y, 0.01, 0.03);
         assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 5, 5, 6, 6));
         assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
         const double near[3] = {INFINITY, 0, INFINITY};
