@@ -3,12 +3,13 @@
 #include <float.h>
 #include <string.h>
 
-enum { HILBERT_BITS = 16, QUERY_CHUNK = 256, STACK_SIZE = PC_BVH_WIDTH * PC_BVH_LEVELS };
+enum { CELL_BITS = 30, QUERY_CHUNK = 256, STACK_SIZE = PC_BVH_WIDTH * PC_BVH_LEVELS };
 
-typedef struct keyed {
-    uint64_t key;
+/* A triangle by its centre, in cells of the box frame. */
+typedef struct item {
+    uint32_t cell[3];
     pc_index face;
-} keyed;
+} item;
 
 static float round_down(double x) {
     float f = (float)x;
@@ -18,47 +19,6 @@ static float round_down(double x) {
 static float round_up(double x) {
     float f = (float)x;
     return (double)f < x ? nextafterf(f, FLT_MAX) : f;
-}
-
-/* Place on the Hilbert curve of a point with HILBERT_BITS bits per axis (J. Skilling, Programming the Hilbert
- * curve, AIP Conf. Proc. 707, 2004). */
-static uint64_t hilbert_key(uint32_t x[3]) {
-    for (uint32_t q = 1u << (HILBERT_BITS - 1); q > 1; q >>= 1) {
-        uint32_t low = q - 1;
-        for (int i = 0; i < 3; i++)
-            if (x[i] & q) {
-                x[0] ^= low;
-            } else {
-                uint32_t swap = (x[0] ^ x[i]) & low;
-                x[0] ^= swap, x[i] ^= swap;
-            }
-    }
-    x[1] ^= x[0], x[2] ^= x[1];
-    uint32_t flip = 0;
-    for (uint32_t q = 1u << (HILBERT_BITS - 1); q > 1; q >>= 1)
-        if (x[2] & q) flip ^= q - 1;
-    uint64_t key = 0;
-    for (int bit = HILBERT_BITS - 1; bit >= 0; bit--)
-        for (int i = 0; i < 3; i++)
-            key = key << 1 | ((x[i] ^ flip) >> bit & 1);
-    return key;
-}
-
-/* Sorts by key, 8 bits at a time; equal keys keep their order. */
-static void sort_keyed(keyed *items, keyed *other, size_t count) {
-    for (int shift = 0; shift < 3 * HILBERT_BITS; shift += 8) {
-        size_t at[256] = {0}, sum = 0;
-        for (size_t i = 0; i < count; i++)
-            at[items[i].key >> shift & 255]++;
-        for (int d = 0; d < 256; d++) {
-            size_t n = at[d];
-            at[d] = sum, sum += n;
-        }
-        for (size_t i = 0; i < count; i++)
-            other[at[items[i].key >> shift & 255]++] = items[i];
-        keyed *swap = items;
-        items = other, other = swap;
-    }
 }
 
 static pc_vec3 to_box_frame(const pc_bvh *bvh, pc_vec3 p) {
@@ -83,36 +43,101 @@ static void fit_frame(pc_bvh *bvh) {
     bvh->centre = (pc_vec3){low[0] / 2 + high[0] / 2, low[1] / 2 + high[1] / 2, low[2] / 2 + high[2] / 2};
 }
 
-static uint64_t face_key(const pc_bvh *bvh, pc_index f) {
+static item item_of(const pc_bvh *bvh, pc_index f) {
     const pc_index *t = bvh->mesh->triangle + 3 * (size_t)f;
     const double *p = bvh->mesh->position;
+    const double most = 1u << CELL_BITS;
+    item out = {.face = f};
     pc_vec3 sum = to_box_frame(bvh, pc_vec3_at(p, t[0]));
     sum = pc_add(sum, to_box_frame(bvh, pc_vec3_at(p, t[1])));
     sum = pc_add(sum, to_box_frame(bvh, pc_vec3_at(p, t[2])));
     const double centre[3] = {sum.x / 3, sum.y / 3, sum.z / 3};
-    uint32_t cell[3];
     for (int k = 0; k < 3; k++) {
-        double x = (centre[k] + 1) * ((1 << HILBERT_BITS) / 2.0);
-        cell[k] = x < 0 ? 0 : x >= (1 << HILBERT_BITS) ? (1 << HILBERT_BITS) - 1 : (uint32_t)x;
+        const double x = (centre[k] + 1) * (most / 2);
+        out.cell[k] = x > 0 ? (uint32_t)fmin(x, most - 1) : 0;
     }
-    return hilbert_key(cell);
+    return out;
+}
+
+/* By one coordinate; no two items are equal. */
+static uint64_t key_of(const item *i, int axis) {
+    return (uint64_t)i->cell[axis] << 32 | i->face;
+}
+
+static uint64_t middle_of(uint64_t a, uint64_t b, uint64_t c) {
+    const uint64_t low = a < b ? a : b, high = a < b ? b : a;
+    return c < low ? low : c > high ? high : c;
+}
+
+/* Those before `at` are smaller along the axis than those from there on (Hoare 1961). */
+static void part_at(item *items, size_t count, size_t at, int axis) {
+    size_t low = 0, high = count;
+    while (high - low > 1) {
+        uint64_t pivot = key_of(items + low, axis);
+        size_t i = low, j = high - 1;
+        if (high - low > 2)
+            pivot = middle_of(pivot, key_of(items + low + (high - low) / 2, axis), key_of(items + j, axis));
+        for (;; i++, j--) {
+            while (key_of(items + i, axis) < pivot)
+                i++;
+            while (key_of(items + j, axis) > pivot)
+                j--;
+            if (i >= j) break;
+            const item swapped = items[i];
+            items[i] = items[j], items[j] = swapped;
+        }
+        if (at <= j)
+            high = j + 1;
+        else
+            low = j + 1;
+    }
+}
+
+static int longest_axis(const item *items, size_t count) {
+    uint32_t size[3];
+    for (int k = 0; k < 3; k++) {
+        uint32_t low = UINT32_MAX, high = 0;
+        for (size_t i = 0; i < count; i++) {
+            low = items[i].cell[k] < low ? items[i].cell[k] : low;
+            high = items[i].cell[k] > high ? items[i].cell[k] : high;
+        }
+        size[k] = high - low;
+    }
+    return size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
+}
+
+/* Halves the items along the longest axis, between whole nodes, until each node has its own. */
+static void group(item *items, size_t count) {
+    enum { TASK = 4096 };
+    size_t node = 1; /* items below each of the largest nodes that they do not all fit into */
+    while (node * PC_BVH_WIDTH < count)
+        node *= PC_BVH_WIDTH;
+    if (count <= PC_BVH_WIDTH) return;
+    const size_t nodes = (count + node - 1) / node, left = (nodes + 1) / 2 * node;
+    part_at(items, count, left, longest_axis(items, count));
+#pragma omp task if (left > TASK)
+    group(items, left);
+    group(items + left, count - left);
 }
 
 static pc_status order_faces(pc_bvh *bvh, pc_context *ctx) {
     pc_status status = PC_OK;
-    size_t count = bvh->mesh->face_count;
-    keyed *items = NULL, *other = NULL;
-    PC_TRY(pc_new(&items, ctx, count));
-    PC_TRY(pc_new(&other, ctx, count));
-#pragma omp parallel for schedule(static)
-    for (size_t f = 0; f < count; f++)
-        items[f] = (keyed){face_key(bvh, (pc_index)f), (pc_index)f};
-    sort_keyed(items, other, count); /* an even number of passes: the result is in `items` */
-    for (size_t i = 0; i < count; i++)
-        bvh->face[i] = items[i].face;
+    const size_t count = bvh->mesh->face_count;
+    item *items = NULL;
+    PC_TRY(pc_resize(&items, ctx, count));
+#pragma omp parallel
+    {
+#pragma omp for schedule(static)
+        for (size_t f = 0; f < count; f++)
+            items[f] = item_of(bvh, (pc_index)f);
+#pragma omp single
+        group(items, count);
+#pragma omp for schedule(static)
+        for (size_t i = 0; i < count; i++)
+            bvh->face[i] = items[i].face;
+    }
 done:
     pc_free(ctx, items);
-    pc_free(ctx, other);
     return status;
 }
 
@@ -129,15 +154,17 @@ static void fill_triangles(pc_bvh *bvh, size_t b) {
     clear_block(block);
     for (size_t i = 0; i < PC_BVH_WIDTH && PC_BVH_WIDTH * b + i < mesh->face_count; i++) {
         const pc_index *t = mesh->triangle + 3 * (size_t)bvh->face[PC_BVH_WIDTH * b + i];
+        double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
         for (int corner = 0; corner < 3; corner++) {
             pc_vec3 p = to_box_frame(bvh, pc_vec3_at(mesh->position, t[corner]));
             const double x[3] = {p.x, p.y, p.z};
             for (int k = 0; k < 3; k++) {
-                float low = round_down(x[k]), high = round_up(x[k]);
-                if (low < block->low[k][i]) block->low[k][i] = low;
-                if (high > block->high[k][i]) block->high[k][i] = high;
+                low[k] = x[k] < low[k] ? x[k] : low[k];
+                high[k] = x[k] > high[k] ? x[k] : high[k];
             }
         }
+        for (int k = 0; k < 3; k++)
+            block->low[k][i] = round_down(low[k]), block->high[k][i] = round_up(high[k]);
     }
 }
 
@@ -206,8 +233,9 @@ double pc_closest_on_triangle(double weight[3], pc_vec3 p, pc_vec3 a, pc_vec3 b,
     pc_vec3 n = pc_cross(ab, ac);
     double area2 = pc_dot(n, n), thin = 1e-20 * pc_dot(ab, ab) * pc_dot(ac, ac);
     double w = pc_dot(pc_cross(ab, ap), n), v = pc_dot(pc_cross(ap, ac), n);
-    if (area2 > thin && v >= 0 && w >= 0 &&
-        v + w <= area2) { /* above the inside; a needle's normal is noise */
+    const bool needle = !(area2 > thin); /* its normal is noise */
+    const bool past[3] = {!(w >= 0) || needle, !(v + w <= area2) || needle, !(v >= 0) || needle};
+    if (!past[0] && !past[1] && !past[2]) { /* above the inside */
         weight[1] = v / area2, weight[2] = w / area2;
         weight[0] = 1 - weight[1] - weight[2];
         pc_vec3 d = pc_madd(pc_madd(ap, -weight[1], ab), -weight[2], ac);
@@ -215,8 +243,10 @@ double pc_closest_on_triangle(double weight[3], pc_vec3 p, pc_vec3 a, pc_vec3 b,
     }
     const pc_vec3 corner[3] = {a, b, c};
     double best = INFINITY;
-    for (int k = 0; k < 3; k++) {
-        double u, d = closest_on_segment(&u, p, corner[k], corner[(k + 1) % 3]);
+    for (int k = 0; k < 3; k++) { /* on a side that the point is past */
+        double u, d;
+        if (!past[k]) continue;
+        d = closest_on_segment(&u, p, corner[k], corner[(k + 1) % 3]);
         if (d < best) {
             best = d;
             weight[k] = 1 - u, weight[(k + 1) % 3] = u, weight[(k + 2) % 3] = 0;

@@ -1,6 +1,6 @@
-/* The closest point on a triangle mesh: a tree of boxes, eight children per node, over the triangles in the
- * order of a Hilbert curve through their centres. Boxes are floats rounded outwards, triangles are measured
- * in double. */
+/* The closest point on a triangle mesh: a tree of boxes, eight children per node, full but for the last node
+ * of each level; the triangles are shared out by halving them along the longest axis (Bentley 1975). Boxes
+ * are floats rounded outwards, triangles are measured in double. */
 #ifndef PC_BVH_H
 #define PC_BVH_H
 
