@@ -10,6 +10,15 @@ typedef struct trace {
     int way; /* 0..3: +s, +t, -s, -t */
 } trace;
 
+/* A line in the parameters of some face, which others may have too. */
+typedef struct line {
+    double origin[2];
+    int way;
+    size_t entity; /* 0: none yet */
+} line;
+
+enum { LINES = 4096 }; /* those met last */
+
 /* Entities are numbered as they are written. */
 typedef struct step {
     pc_textout out;
@@ -18,11 +27,30 @@ typedef struct step {
     size_t *vertex; /* per vertex: its VERTEX_POINT */
     size_t *edge;   /* per edge: its EDGE_CURVE */
     size_t *face;   /* per face: its surface, then its ADVANCED_FACE */
-    trace *trace;   /* per directed edge */
-    size_t way[4];  /* VECTORs along the sides of the parameters' rectangle */
-    size_t plane;   /* context of curves there */
-    size_t *brep;   /* per component: what the representation lists */
+    size_t *point;  /* per face: the first of its control points */
+    line *line;
+    trace *trace;  /* per directed edge */
+    size_t way[4]; /* VECTORs along the sides of the parameters' rectangle */
+    size_t plane;  /* context of curves there */
+    size_t *brep;  /* per component: what the representation lists */
 } step;
+
+static void put(step *s, const char *text) {
+    pc_textout_text(&s->out, text, strlen(text));
+}
+
+static void put_reference(step *s, size_t entity) {
+    put(s, "#");
+    pc_textout_integer(&s->out, entity);
+}
+
+/* `count` of them: every `stride`-th from the first. */
+static void put_references(step *s, size_t first, ptrdiff_t stride, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        if (i) put(s, ",");
+        put_reference(s, (size_t)((ptrdiff_t)first + stride * (ptrdiff_t)i));
+    }
+}
 
 /* Reals of STEP have a point, and an E. */
 static void put_real(step *s, double x) {
@@ -35,39 +63,40 @@ static void put_real(step *s, double x) {
         out[at++] = exponent ? 'E' : text[i];
     }
     if (!point) out[at++] = '.';
-    pc_textout_put(&s->out, "%.*s", (int)at, out);
+    pc_textout_text(&s->out, out, at);
 }
 
 /* Begins the next entity and returns its number. */
 static size_t begin(step *s) {
-    pc_textout_put(&s->out, "#%zu=", ++s->entity);
+    put_reference(s, ++s->entity);
+    put(s, "=");
     return s->entity;
 }
 
 static size_t put_point(step *s, const double *p) {
     size_t number = begin(s);
-    pc_textout_put(&s->out, "CARTESIAN_POINT('',(");
+    put(s, "CARTESIAN_POINT('',(");
     for (int k = 0; k < 3; k++) {
-        if (k) pc_textout_put(&s->out, ",");
+        if (k) put(s, ",");
         put_real(s, p[k]);
     }
-    pc_textout_put(&s->out, "));\n");
+    put(s, "));\n");
     return number;
 }
 
 /* (4,1,...,1,4) */
 static void put_multiplicities(step *s, pc_index knots) {
     for (pc_index i = 0; i < knots; i++)
-        pc_textout_put(&s->out, "%s%d", i ? "," : "(", i == 0 || i + 1 == knots ? 4 : 1);
-    pc_textout_put(&s->out, ")");
+        put(s, i == 0 ? "(4" : i + 1 == knots ? ",4" : ",1");
+    put(s, ")");
 }
 
 static void put_knots(step *s, const double *knot, pc_index count) {
     for (pc_index i = 0; i < count; i++) {
-        pc_textout_put(&s->out, i ? "," : "(");
+        put(s, i ? "," : "(");
         put_real(s, knot[i]);
     }
-    pc_textout_put(&s->out, ")");
+    put(s, ")");
 }
 
 /* ---- Curves in the parameters ----
@@ -121,17 +150,28 @@ static void put_plane(step *s) {
                             "REPRESENTATION_CONTEXT('2D',''));\n");
 }
 
-static size_t put_trace(step *s, const trace *t) {
+/* The same lines are met again and again: most faces have parameters from 0 to 1. */
+static size_t put_line(step *s, const trace *t) {
+    uint64_t bits[2];
+    memcpy(bits, t->origin, sizeof bits);
+    const uint64_t mixed = (bits[0] ^ (bits[1] >> 7) ^ (uint64_t)t->way << 40) * 0x9e3779b97f4a7c15u;
+    line *l = s->line + mixed % LINES;
+    if (l->entity && l->way == t->way && l->origin[0] == t->origin[0] && l->origin[1] == t->origin[1])
+        return l->entity;
     size_t point = begin(s);
-    pc_textout_put(&s->out, "CARTESIAN_POINT('',(");
+    put(s, "CARTESIAN_POINT('',(");
     put_real(s, t->origin[0]);
-    pc_textout_put(&s->out, ",");
+    put(s, ",");
     put_real(s, t->origin[1]);
-    pc_textout_put(&s->out, "));\n");
-    size_t line = begin(s);
+    put(s, "));\n");
+    *l = (line){{t->origin[0], t->origin[1]}, t->way, begin(s)};
     pc_textout_put(&s->out, "LINE('',#%zu,#%zu);\n", point, s->way[t->way]);
-    size_t representation = begin(s);
-    pc_textout_put(&s->out, "DEFINITIONAL_REPRESENTATION('',(#%zu),#%zu);\n", line, s->plane);
+    return l->entity;
+}
+
+static size_t put_trace(step *s, const trace *t) {
+    size_t on = put_line(s, t), representation = begin(s);
+    pc_textout_put(&s->out, "DEFINITIONAL_REPRESENTATION('',(#%zu),#%zu);\n", on, s->plane);
     size_t curve = begin(s);
     pc_textout_put(&s->out, "PCURVE('',#%zu,#%zu);\n", s->face[t->face], representation);
     return curve;
@@ -150,18 +190,48 @@ static size_t put_surface_curve(step *s, pc_index e, size_t curve) {
     return surface_curve;
 }
 
+static bool are_same(const double p[3], const double q[3]) {
+    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+}
+
+/* Most edges are a whole side of a face, whose control points are theirs: the entity of the first one, and
+ * how far it is to the next. */
+static bool find_points(size_t *first, ptrdiff_t *stride, const step *s, pc_index e) {
+    const pc_shell *shell = s->shell;
+    const pc_shell_edge *edge = shell->edge + e;
+    for (int k = 0; k < 4; k++) { /* both faces, both of the sides along which the edge may run */
+        const trace *t = s->trace + 2 * (size_t)e + k / 2;
+        if (t->face == PC_NONE) continue;
+        const pc_shell_face *face = shell->face + t->face;
+        const ptrdiff_t n = face->point_count[0], count = edge->point_count, d = t->way & 1;
+        const ptrdiff_t last = (ptrdiff_t)face->point_count[1 - d] - 1;
+        if (count != (ptrdiff_t)face->point_count[d]) continue;
+        ptrdiff_t at = k % 2 ? last * (d ? 1 : n) : 0, next = d ? n : 1, i = 0;
+        if (t->way >= 2) at += next * (count - 1), next = -next;
+        while (i < count && are_same(shell->point + 3 * (edge->point + (size_t)i),
+                                     shell->point + 3 * (face->point + (size_t)(at + i * next))))
+            i++;
+        *first = s->point[t->face] + (size_t)at, *stride = next;
+        if (i == count) return true;
+    }
+    return false;
+}
+
 static void put_edge(step *s, pc_index e) {
     const pc_shell_edge *edge = s->shell->edge + e;
     size_t first = s->entity + 1;
-    for (pc_index i = 0; i < edge->point_count; i++)
-        (void)put_point(s, s->shell->point + 3 * (edge->point + i));
+    ptrdiff_t stride = 1;
+    if (!find_points(&first, &stride, s, e)) {
+        first = s->entity + 1, stride = 1;
+        for (pc_index i = 0; i < edge->point_count; i++)
+            (void)put_point(s, s->shell->point + 3 * (edge->point + i));
+    }
     size_t curve = begin(s);
-    pc_textout_put(&s->out, "B_SPLINE_CURVE_WITH_KNOTS('',3,(");
-    for (pc_index i = 0; i < edge->point_count; i++)
-        pc_textout_put(&s->out, "%s#%zu", i ? "," : "", first + i);
-    pc_textout_put(&s->out, "),.UNSPECIFIED.,.F.,.F.,");
+    put(s, "B_SPLINE_CURVE_WITH_KNOTS('',3,(");
+    put_references(s, first, stride, edge->point_count);
+    put(s, "),.UNSPECIFIED.,.F.,.F.,");
     put_multiplicities(s, edge->point_count - 2);
-    pc_textout_put(&s->out, ",");
+    put(s, ",");
     put_knots(s, s->shell->knot + edge->knot, edge->point_count - 2);
     pc_textout_put(&s->out, ",.UNSPECIFIED.);\n");
     curve = put_surface_curve(s, e, curve);
@@ -170,28 +240,28 @@ static void put_edge(step *s, pc_index e) {
                    s->vertex[edge->vertex[1]], curve);
 }
 
-static size_t put_surface(step *s, const pc_shell_face *face) {
+static size_t put_surface(step *s, pc_index f) {
+    const pc_shell_face *face = s->shell->face + f;
     pc_index n = face->point_count[0], m = face->point_count[1];
-    size_t first = s->entity + 1;
+    s->point[f] = s->entity + 1;
     for (size_t i = 0; i < (size_t)n * m; i++)
         (void)put_point(s, s->shell->point + 3 * (face->point + i));
     size_t surface = begin(s);
-    pc_textout_put(&s->out, "B_SPLINE_SURFACE_WITH_KNOTS('',3,3,(");
+    put(s, "B_SPLINE_SURFACE_WITH_KNOTS('',3,3,(");
     for (pc_index i = 0; i < n; i++) {
-        pc_textout_put(&s->out, i ? ",(" : "(");
-        for (pc_index j = 0; j < m; j++)
-            pc_textout_put(&s->out, "%s#%zu", j ? "," : "", first + i + (size_t)j * n);
-        pc_textout_put(&s->out, ")");
+        put(s, i ? ",(" : "(");
+        put_references(s, s->point[f] + i, (ptrdiff_t)n, m);
+        put(s, ")");
     }
-    pc_textout_put(&s->out, "),.UNSPECIFIED.,.F.,.F.,.F.,");
+    put(s, "),.UNSPECIFIED.,.F.,.F.,.F.,");
     put_multiplicities(s, n - 2);
-    pc_textout_put(&s->out, ",");
+    put(s, ",");
     put_multiplicities(s, m - 2);
-    pc_textout_put(&s->out, ",");
+    put(s, ",");
     put_knots(s, s->shell->knot + face->knot[0], n - 2);
-    pc_textout_put(&s->out, ",");
+    put(s, ",");
     put_knots(s, s->shell->knot + face->knot[1], m - 2);
-    pc_textout_put(&s->out, ",.UNSPECIFIED.);\n");
+    put(s, ",.UNSPECIFIED.);\n");
     return surface;
 }
 
@@ -205,10 +275,9 @@ static void put_face(step *s, pc_index f) {
                        directed % 2 ? ".F." : ".T.");
     }
     size_t loop = begin(s);
-    pc_textout_put(&s->out, "EDGE_LOOP('',(");
-    for (pc_index i = 0; i < face->loop_count; i++)
-        pc_textout_put(&s->out, "%s#%zu", i ? "," : "", first + i);
-    pc_textout_put(&s->out, "));\n");
+    put(s, "EDGE_LOOP('',(");
+    put_references(s, first, 1, face->loop_count);
+    put(s, "));\n");
     size_t bound = begin(s);
     pc_textout_put(&s->out, "FACE_OUTER_BOUND('',#%zu,.T.);\n", loop);
     s->face[f] = begin(s);
@@ -314,7 +383,7 @@ static void put_all(step *s, double size, const char *name) {
     }
     put_plane(s);
     for (pc_index f = 0; f < shell->face_count; f++) {
-        s->face[f] = put_surface(s, shell->face + f);
+        s->face[f] = put_surface(s, f);
         trace_face(s, f);
     }
     for (pc_index e = 0; e < shell->edge_count; e++)
@@ -342,6 +411,8 @@ pc_status pc_step_write(pc_context *ctx, const pc_shell *shell, double size, con
     PC_TRY(pc_new(&s.vertex, ctx, shell->vertex_count));
     PC_TRY(pc_new(&s.edge, ctx, shell->edge_count));
     PC_TRY(pc_new(&s.face, ctx, shell->face_count));
+    PC_TRY(pc_new(&s.point, ctx, shell->face_count));
+    PC_TRY(pc_new(&s.line, ctx, LINES));
     PC_TRY(pc_new(&s.trace, ctx, 2 * (size_t)shell->edge_count));
     for (size_t i = 0; i < 2 * (size_t)shell->edge_count; i++)
         s.trace[i].face = PC_NONE;
@@ -352,6 +423,8 @@ done:
     pc_free(ctx, s.vertex);
     pc_free(ctx, s.edge);
     pc_free(ctx, s.face);
+    pc_free(ctx, s.point);
+    pc_free(ctx, s.line);
     pc_free(ctx, s.trace);
     pc_free(ctx, s.brep);
     return pc_textout_close(&s.out, status);

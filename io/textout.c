@@ -12,7 +12,21 @@ void pc_textout_put(pc_textout *out, const char *format, ...) {
     va_start(arguments, format);
     int length = vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (out->status == PC_OK) out->status = pc_writer_put(&out->writer, text, (size_t)length);
+    pc_textout_text(out, text, (size_t)length);
+}
+
+void pc_textout_text(pc_textout *out, const char *text, size_t length) {
+    if (out->status == PC_OK) out->status = pc_writer_put(&out->writer, text, length);
+}
+
+void pc_textout_integer(pc_textout *out, uint64_t value) {
+    char text[20];
+    size_t at = sizeof text;
+    do {
+        text[--at] = (char)('0' + value % 10);
+        value /= 10;
+    } while (value > 0);
+    pc_textout_text(out, text + at, sizeof text - at);
 }
 
 void pc_textout_reals(pc_textout *out, const double *x, size_t count) {
@@ -24,7 +38,7 @@ void pc_textout_reals(pc_textout *out, const double *x, size_t count) {
             text[length++] = '0';
         else
             length += pc_decimal_write(text + length, x[i]);
-        if (out->status == PC_OK) out->status = pc_writer_put(&out->writer, text, length);
+        pc_textout_text(out, text, length);
     }
 }
 

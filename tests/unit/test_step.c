@@ -35,6 +35,36 @@ static void references_resolve(const char *text) {
     assert_true(next > entities);
 }
 
+/* Where entity `number` begins. */
+static const char *entity(const char *text, size_t number) {
+    char key[32];
+    (void)snprintf(key, sizeof key, "\n#%zu=", number);
+    const char *at = strstr(text, key);
+    assert_true(at != NULL);
+    return at + strlen(key);
+}
+
+/* The control points of the curves, in the order of the edges. */
+static void curves_are_theirs(const char *text, const pc_shell *shell) {
+    const char curve[] = "=B_SPLINE_CURVE_WITH_KNOTS('',3,(";
+    const char *at = text;
+    for (pc_index e = 0; e < shell->edge_count; e++) {
+        const pc_shell_edge *edge = shell->edge + e;
+        at = strstr(at, curve);
+        assert_true(at != NULL);
+        at += strlen(curve);
+        for (pc_index i = 0; i < edge->point_count; i++) {
+            char *end;
+            const char *p = entity(text, strtoul(at + 1, &end, 10)) + strlen("CARTESIAN_POINT('',(");
+            at = end + 1;
+            for (size_t k = 0; k < 3; k++, p = end + 1) {
+                const double x = strtod(p, &end);
+                assert_true(x == shell->point[3 * (edge->point + i) + k]);
+            }
+        }
+    }
+}
+
 static char *written(pc_context *ctx, const pc_tspline *spline, const char *path) {
     pc_shell shell;
     pc_file file;
@@ -54,6 +84,17 @@ static char *written(pc_context *ctx, const pc_tspline *spline, const char *path
     assert_int_equal(occurrences(text, "=SURFACE_CURVE("), shell.edge_count);
     assert_int_equal(occurrences(text, "=PCURVE("), 2 * shell.edge_count - shell.border_count);
     references_resolve(text);
+    /* Curves have the control points of a side of a surface, on closed ones most of them, and lines of the
+     * parameters are shared. */
+    size_t points = shell.vertex_count + 1 + occurrences(text, "=LINE("), own = 0;
+    for (pc_index f = 0; f < shell.face_count; f++)
+        points += (size_t)shell.face[f].point_count[0] * shell.face[f].point_count[1];
+    for (pc_index e = 0; e < shell.edge_count; e++)
+        own += shell.edge[e].point_count;
+    assert_in_range(occurrences(text, "=CARTESIAN_POINT("), points,
+                    points + (shell.border_count ? own : own / 2));
+    assert_in_range(occurrences(text, "=LINE("), 1, occurrences(text, "=PCURVE("));
+    curves_are_theirs(text, &shell);
     pc_shell_free(&shell, ctx);
     return text;
 }
