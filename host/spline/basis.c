@@ -7,37 +7,81 @@
 #include <math.h>
 #include <string.h>
 
+enum { PARTS = 16 }; /* of the mesh, made at the same time */
+
+/* Of `count` things part p has those from first_of(count, p) to first_of(count, p + 1). */
+static pc_index first_of(pc_index count, int part) {
+    return (pc_index)((uint64_t)count * (uint64_t)part / PARTS);
+}
+
+typedef struct function {
+    const pc_footprint *footprint;
+} function;
+
+/* Which functions there are on each face: in the order of their vertices. */
+typedef struct face_functions {
+    pc_footprints part[PARTS];
+    size_t *start; /* per face: into `at` */
+    function *at;
+} face_functions;
+
+/* A part of the basis. */
 typedef struct building {
-    pc_basis *basis;
+    pc_basis basis;
     const pc_tmesh *mesh;
-    pc_footprints footprints;
-    size_t *start; /* per face: its footprints in `order` */
-    size_t *order;
+    const face_functions *functions;
     size_t element_room, point_room, coefficient_room, point_count, coefficient_count;
 } building;
 
-static pc_status collect(building *b, pc_context *ctx) {
+static void free_functions(face_functions *functions, pc_context *ctx) {
+    for (int part = 0; part < PARTS; part++)
+        pc_footprints_free(functions->part + part, ctx);
+    pc_free(ctx, functions->start);
+    pc_free(ctx, functions->at);
+}
+
+static pc_status collect_part(pc_footprints *footprints, pc_context *ctx, const pc_tmesh *mesh, pc_index from,
+                              pc_index to) {
     pc_status status = PC_OK;
     pc_support scratch = {0};
-    for (pc_index v = 0; v < b->mesh->vertex_count; v++)
-        PC_TRY(pc_support_append(&b->footprints, &scratch, ctx, b->mesh, v));
-    size_t faces = b->mesh->face_count;
-    PC_TRY(pc_new(&b->start, ctx, faces + 2));
-    PC_TRY(pc_new(&b->order, ctx, b->footprints.count));
-    for (size_t i = 0; i < b->footprints.count; i++)
-        b->start[b->footprints.at[i].face + 2]++;
-    for (size_t f = 0; f < faces; f++)
-        b->start[f + 2] += b->start[f + 1];
-    for (size_t i = 0; i < b->footprints.count; i++)
-        b->order[b->start[b->footprints.at[i].face + 1]++] = i;
+    for (pc_index v = from; v < to; v++)
+        PC_TRY(pc_support_append(footprints, &scratch, ctx, mesh, v));
 done:
     pc_support_free(&scratch, ctx);
     return status;
 }
 
+static pc_status collect(face_functions *functions, pc_context *ctx, const pc_tmesh *mesh) {
+    pc_status status = PC_OK, done[PARTS];
+    const size_t faces = mesh->face_count;
+    size_t count = 0;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int part = 0; part < PARTS; part++)
+        done[part] = collect_part(functions->part + part, ctx, mesh, first_of(mesh->vertex_count, part),
+                                  first_of(mesh->vertex_count, part + 1));
+    for (int part = 0; part < PARTS; part++) {
+        PC_TRY(done[part]);
+        count += functions->part[part].count;
+    }
+    PC_TRY(pc_new(&functions->start, ctx, faces + 2));
+    PC_TRY(pc_new(&functions->at, ctx, count));
+    for (int part = 0; part < PARTS; part++)
+        for (size_t i = 0; i < functions->part[part].count; i++)
+            functions->start[functions->part[part].at[i].face + 2]++;
+    for (size_t f = 0; f < faces; f++)
+        functions->start[f + 2] += functions->start[f + 1];
+    for (int part = 0; part < PARTS; part++)
+        for (size_t i = 0; i < functions->part[part].count; i++) {
+            const pc_footprint *p = functions->part[part].at + i;
+            functions->at[functions->start[p->face + 1]++].footprint = p;
+        }
+done:
+    return status;
+}
+
 static pc_status add_element(building *b, pc_context *ctx, const pc_element *element) {
     pc_status status = PC_OK;
-    pc_basis *basis = b->basis;
+    pc_basis *basis = &b->basis;
     if (basis->element_count + 1 >= b->element_room) { /* one more offset than elements */
         size_t room = 2 * b->element_room + 64;
         PC_TRY(pc_resize(&basis->element, ctx, room));
@@ -54,11 +98,11 @@ done:
 static pc_status add_point(building *b, pc_context *ctx, pc_index v, const double *coefficient, size_t stride,
                            size_t count) {
     pc_status status = PC_OK;
-    PC_GROW(b->basis->point, b->point_count, b->point_room, 1);
-    PC_GROW(b->basis->coefficient, b->coefficient_count, b->coefficient_room, count);
-    b->basis->point[b->point_count++] = v;
+    PC_GROW(b->basis.point, b->point_count, b->point_room, 1);
+    PC_GROW(b->basis.coefficient, b->coefficient_count, b->coefficient_room, count);
+    b->basis.point[b->point_count++] = v;
     for (size_t i = 0; i < count; i++)
-        b->basis->coefficient[b->coefficient_count++] = coefficient[i * stride];
+        b->basis.coefficient[b->coefficient_count++] = coefficient[i * stride];
 done:
     return status;
 }
@@ -71,8 +115,8 @@ static int lines_of(double line[MOST_LINES], const building *b, pc_index f, int 
     double size = b->mesh->face[f].size[direction];
     int count = 2;
     line[0] = 0, line[1] = size;
-    for (size_t i = b->start[f]; i < b->start[f + 1]; i++) {
-        const pc_footprint *p = b->footprints.at + b->order[i];
+    for (size_t i = b->functions->start[f]; i < b->functions->start[f + 1]; i++) {
+        const pc_footprint *p = b->functions->at[i].footprint;
         for (int k = 0; k < 5; k++) {
             double x = direction ? p->t[k] : p->s[k];
             int at = 0;
@@ -100,8 +144,8 @@ static pc_status cut_regular(building *b, pc_context *ctx, pc_index f) {
                               .low = {s[i % columns], t[i / columns]},
                               .high = {s[i % columns + 1], t[i / columns + 1]}};
         PC_TRY(add_element(b, ctx, &element));
-        for (size_t k = b->start[f]; k < b->start[f + 1]; k++) {
-            const pc_footprint *p = b->footprints.at + b->order[k];
+        for (size_t k = b->functions->start[f]; k < b->functions->start[f + 1]; k++) {
+            const pc_footprint *p = b->functions->at[k].footprint;
             double c[8];
             if (p->s[0] >= element.high[0] || p->s[4] <= element.low[0] || p->t[0] >= element.high[1] ||
                 p->t[4] <= element.low[1])
@@ -136,23 +180,77 @@ done:
     return status;
 }
 
-pc_status pc_basis_make(pc_basis *basis, pc_context *ctx, const pc_tmesh *mesh) {
+static pc_status cut_part(building *b, pc_context *ctx, pc_index *face_start, pc_index from, pc_index to) {
     pc_status status = PC_OK;
-    building b = {.basis = basis, .mesh = mesh};
-    *basis = (pc_basis){.vertex_count = mesh->vertex_count, .face_count = mesh->face_count};
-    PC_TRY(collect(&b, ctx));
-    PC_TRY(pc_new(&basis->face_start, ctx, (size_t)mesh->face_count + 1));
-    PC_TRY(pc_new(&basis->start, ctx, 1));
-    for (pc_index f = 0; f < mesh->face_count; f++) {
-        if (!mesh->face[f].ghost)
-            PC_TRY(pc_tface_is_irregular(mesh, f) ? cut_irregular(&b, ctx, f) : cut_regular(&b, ctx, f));
-        basis->face_start[f + 1] = basis->element_count;
+    for (pc_index f = from; f < to; f++) {
+        if (!b->mesh->face[f].ghost)
+            PC_TRY(pc_tface_is_irregular(b->mesh, f) ? cut_irregular(b, ctx, f) : cut_regular(b, ctx, f));
+        face_start[f + 1] = b->basis.element_count;
     }
-    basis->start[basis->element_count] = b.point_count;
 done:
-    pc_footprints_free(&b.footprints, ctx);
-    pc_free(ctx, b.start);
-    pc_free(ctx, b.order);
+    return status;
+}
+
+/* What a part has, behind what the parts before it have. */
+static void put_part(pc_basis *basis, const building *b, const building *before, pc_index from, pc_index to) {
+    const pc_index elements = before->basis.element_count;
+    for (pc_index f = from; f < to; f++)
+        basis->face_start[f + 1] += elements;
+    for (pc_index e = 0; e < b->basis.element_count; e++) {
+        basis->element[elements + e] = b->basis.element[e];
+        basis->element[elements + e].coefficient += before->coefficient_count;
+        basis->start[elements + e] = before->point_count + b->basis.start[e];
+    }
+    if (b->point_count == 0) return;
+    memcpy(basis->point + before->point_count, b->basis.point, b->point_count * sizeof *basis->point);
+    memcpy(basis->coefficient + before->coefficient_count, b->basis.coefficient,
+           b->coefficient_count * sizeof *basis->coefficient);
+}
+
+static pc_status join(pc_basis *basis, pc_context *ctx, const building *b) {
+    pc_status status = PC_OK;
+    building before[PARTS + 1] = {{.mesh = NULL}}; /* their counts */
+    for (int part = 0; part < PARTS; part++) {
+        building *sum = before + part + 1;
+        *sum = before[part];
+        sum->basis.element_count += b[part].basis.element_count;
+        sum->point_count += b[part].point_count, sum->coefficient_count += b[part].coefficient_count;
+    }
+    const building *all = before + PARTS;
+    basis->element_count = all->basis.element_count;
+    PC_TRY(pc_new(&basis->element, ctx, basis->element_count));
+    PC_TRY(pc_new(&basis->start, ctx, (size_t)basis->element_count + 1));
+    PC_TRY(pc_new(&basis->point, ctx, all->point_count));
+    PC_TRY(pc_new(&basis->coefficient, ctx, all->coefficient_count));
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int part = 0; part < PARTS; part++)
+        put_part(basis, b + part, before + part, first_of(basis->face_count, part),
+                 first_of(basis->face_count, part + 1));
+    basis->start[basis->element_count] = all->point_count;
+done:
+    return status;
+}
+
+pc_status pc_basis_make(pc_basis *basis, pc_context *ctx, const pc_tmesh *mesh) {
+    pc_status status = PC_OK, done[PARTS];
+    face_functions functions = {.start = NULL};
+    building b[PARTS];
+    *basis = (pc_basis){.vertex_count = mesh->vertex_count, .face_count = mesh->face_count};
+    for (int part = 0; part < PARTS; part++)
+        b[part] = (building){.mesh = mesh, .functions = &functions};
+    PC_TRY(collect(&functions, ctx, mesh));
+    PC_TRY(pc_new(&basis->face_start, ctx, (size_t)mesh->face_count + 1));
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int part = 0; part < PARTS; part++)
+        done[part] = cut_part(b + part, ctx, basis->face_start, first_of(mesh->face_count, part),
+                              first_of(mesh->face_count, part + 1));
+    for (int part = 0; part < PARTS; part++)
+        PC_TRY(done[part]);
+    PC_TRY(join(basis, ctx, b));
+done:
+    free_functions(&functions, ctx);
+    for (int part = 0; part < PARTS; part++)
+        pc_basis_free(&b[part].basis, ctx);
     if (status != PC_OK) pc_basis_free(basis, ctx);
     return status;
 }
@@ -190,9 +288,11 @@ void pc_basis_bezier(double bezier[48], const pc_basis *basis, pc_index e, const
 }
 
 pc_index pc_basis_find(const pc_basis *basis, pc_index face, double s, double t) {
+    const pc_index first = basis->face_start[face], end = basis->face_start[face + 1];
     pc_index best = PC_NONE;
     double least = INFINITY;
-    for (pc_index e = basis->face_start[face]; e < basis->face_start[face + 1]; e++) {
+    if (end == first + 1) return first;
+    for (pc_index e = first; e < end; e++) {
         const pc_element *element = basis->element + e;
         double ds = fmax(0, fmax(element->low[0] - s, s - element->high[0]));
         double dt = fmax(0, fmax(element->low[1] - t, t - element->high[1]));

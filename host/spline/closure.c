@@ -20,6 +20,7 @@ typedef struct closing {
     size_t star_count, star_room;
     uint8_t *touched; /* per face: cut in this round */
     size_t touched_room;
+    uint8_t *notched; /* per face: there is a T-junction in a side of it */
     pc_closure_stats *stats;
 } closing;
 
@@ -69,6 +70,7 @@ static pc_status want_through(closing *c, pc_context *ctx, pc_index h) {
 static pc_status want_flat(closing *c, pc_context *ctx, pc_index f, int which) {
     pc_status status = PC_OK;
     pc_index first = c->mesh->face[f].first, h = first;
+    if (!c->notched[f]) return PC_OK;
     do {
         if (!pc_thalf_turns(c->mesh, h) && (which < 0 || c->mesh->half[h].side == which))
             PC_TRY(want_through(c, ctx, h));
@@ -159,10 +161,26 @@ done:
     return status;
 }
 
+static pc_status find_notches(closing *c, pc_context *ctx) {
+    const pc_tmesh *mesh = c->mesh;
+    pc_free(ctx, c->notched);
+    const pc_status status = pc_new(&c->notched, ctx, mesh->face_count);
+#pragma omp parallel for schedule(static)
+    for (pc_index f = 0; f < (status == PC_OK ? mesh->face_count : 0); f++) {
+        pc_index h = mesh->face[f].first;
+        do {
+            c->notched[f] |= !pc_thalf_turns(mesh, h);
+            h = mesh->half[h].next;
+        } while (h != mesh->face[f].first);
+    }
+    return status;
+}
+
 /* All that is due; the crossings last and only where there is nothing else. */
 static pc_status inspect(closing *c, pc_context *ctx) {
     pc_status status = PC_OK;
     c->count = c->star_count = 0;
+    PC_TRY(find_notches(c, ctx));
     for (pc_index f = 0; f < c->mesh->face_count; f++) {
         if (!c->mesh->face[f].ghost && pc_tface_is_irregular(c->mesh, f))
             PC_TRY(inspect_surroundings(c, ctx, f));
@@ -237,6 +255,7 @@ static void drop_closing(closing *c, pc_context *ctx) {
     pc_free(ctx, c->due);
     pc_free(ctx, c->star);
     pc_free(ctx, c->touched);
+    pc_free(ctx, c->notched);
 }
 
 pc_status pc_closure_refine(pc_tmesh *mesh, pc_closure_stats *stats, pc_context *ctx, const uint8_t *wish) {

@@ -54,23 +54,46 @@ static void add_sample(pc_jump *jump, const pc_surface_point *a, const pc_surfac
     jump->curvature_max = fmax(jump->curvature_max, bend);
 }
 
-void pc_continuity_measure(pc_jump jump[PC_JOINT_COUNT], const pc_tspline *spline, int samples) {
-    memset(jump, 0, PC_JOINT_COUNT * sizeof *jump);
-    for (pc_index i = 0; i < 4 * spline->basis.element_count; i++) {
-        const pc_element *e = spline->basis.element + i / 4;
-        int side = (int)(i % 4), across = side % 2 == 0;
-        for (int k = 0; k < samples; k++) {
-            double at[2], u = (k + 0.5) / samples;
-            at[1 - across] = e->low[1 - across] + u * (e->high[1 - across] - e->low[1 - across]);
-            at[across] = side == 1 || side == 2 ? e->high[across] : e->low[across];
-            pc_surface_place here = {i / 4, at[0], at[1]}, beyond;
-            if (!pc_tspline_cross(&beyond, spline, here, side)) continue;
-            pc_surface_point a = pc_tspline_evaluate(spline, here), b = pc_tspline_evaluate(spline, beyond);
-            double size = (e->high[across] - e->low[across]) * pc_norm(across ? a.t : a.s);
-            add_sample(jump + class_of(spline, here.element, beyond.element, side), &a, &b,
-                       pc_unit(across ? a.s : a.t), size);
-        }
+/* The four sides of an element. */
+static void measure_element(pc_jump jump[PC_JOINT_COUNT], const pc_tspline *spline, pc_index element,
+                            int samples) {
+    const pc_element *e = spline->basis.element + element;
+    for (int i = 0; i < 4 * samples; i++) {
+        const int side = i / samples, across = side % 2 == 0;
+        double at[2], u = (i % samples + 0.5) / samples;
+        at[1 - across] = e->low[1 - across] + u * (e->high[1 - across] - e->low[1 - across]);
+        at[across] = side == 1 || side == 2 ? e->high[across] : e->low[across];
+        pc_surface_place here = {element, at[0], at[1]}, beyond;
+        if (!pc_tspline_cross(&beyond, spline, here, side)) continue;
+        pc_surface_point a = pc_tspline_evaluate(spline, here), b = pc_tspline_evaluate(spline, beyond);
+        double size = (e->high[across] - e->low[across]) * pc_norm(across ? a.t : a.s);
+        add_sample(jump + class_of(spline, element, beyond.element, side), &a, &b,
+                   pc_unit(across ? a.s : a.t), size);
     }
+}
+
+static void add_jump(pc_jump *to, const pc_jump *part) {
+    to->sample_count += part->sample_count;
+    to->gap = fmax(to->gap, part->gap);
+    to->normal_mean += part->normal_mean;
+    to->normal_max = fmax(to->normal_max, part->normal_max);
+    to->curvature_mean += part->curvature_mean;
+    to->curvature_max = fmax(to->curvature_max, part->curvature_max);
+}
+
+void pc_continuity_measure(pc_jump jump[PC_JOINT_COUNT], const pc_tspline *spline, int samples) {
+    enum { PARTS = 64 }; /* summed up in order, whatever the number of threads */
+    const uint64_t count = spline->basis.element_count;
+    pc_jump part[PARTS][PC_JOINT_COUNT];
+    memset(part, 0, sizeof part);
+    memset(jump, 0, PC_JOINT_COUNT * sizeof *jump);
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int p = 0; p < PARTS; p++)
+        for (uint64_t e = count * (uint64_t)p / PARTS; e < count * (uint64_t)(p + 1) / PARTS; e++)
+            measure_element(part[p], spline, (pc_index)e, samples);
+    for (int p = 0; p < PARTS; p++)
+        for (int c = 0; c < PC_JOINT_COUNT; c++)
+            add_jump(jump + c, part[p] + c);
     for (int c = 0; c < PC_JOINT_COUNT; c++) {
         if (!jump[c].sample_count) continue;
         jump[c].normal_mean /= jump[c].sample_count;

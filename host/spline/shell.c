@@ -556,8 +556,15 @@ pc_vec3 pc_shell_face_point(const pc_shell *shell, pc_index f, double s, double 
     return p;
 }
 
+/* What is wrong with a face: an edge that its loop or its surface misses. */
+typedef struct face_fault {
+    bool open;
+    pc_index edge; /* PC_NONE: nothing */
+    double gap;
+} face_fault;
+
 /* The total length of knots along the loop's edges tells where on the rectangle's rim each lies. */
-static pc_status check_face(const pc_shell *shell, pc_context *ctx, pc_index f, double size) {
+static face_fault check_face(const pc_shell *shell, pc_index f, double size) {
     const pc_shell_face *face = shell->face + f;
     double length[2], along = 0;
     for (int k = 0; k < 2; k++) {
@@ -571,7 +578,7 @@ static pc_status check_face(const pc_shell *shell, pc_context *ctx, pc_index f, 
         const double *knot = shell->knot + edge->knot;
         double span = knot[edge->point_count - 3] - knot[0];
         if (edge->vertex[1 - directed % 2] != shell->edge[next / 2].vertex[next % 2])
-            return pc_fail(ctx, PC_E_BUG, "the loop of face %u of the shell does not close", f);
+            return (face_fault){.open = true, .edge = directed / 2};
         for (int k = 0; k <= 4; k++) {
             double u = k / 4.0, x = along + span * u, s = 0, t = 0;
             pc_vec3 p = pc_shell_edge_point(shell, directed / 2, directed % 2 ? 1 - u : u);
@@ -584,12 +591,22 @@ static pc_status check_face(const pc_shell *shell, pc_context *ctx, pc_index f, 
             else
                 t = (2 * length[0] + 2 * length[1] - x) / length[1];
             double gap = pc_distance(p, pc_shell_face_point(shell, f, s, t));
-            if (!(gap <= 1e-12 * size))
-                return pc_fail(ctx, PC_E_BUG, "edge %u of the shell is %g off face %u", directed / 2, gap, f);
+            if (!(gap <= 1e-12 * size)) return (face_fault){.edge = directed / 2, .gap = gap};
         }
         along += span;
     }
-    return PC_OK;
+    return (face_fault){.edge = PC_NONE};
+}
+
+static pc_status check_faces(const pc_shell *shell, pc_context *ctx, double size) {
+    pc_index first = PC_NONE;
+#pragma omp parallel for schedule(static) reduction(min : first)
+    for (pc_index f = 0; f < shell->face_count; f++)
+        if (first == PC_NONE && check_face(shell, f, size).edge != PC_NONE) first = f;
+    if (first == PC_NONE) return PC_OK;
+    const face_fault fault = check_face(shell, first, size);
+    if (fault.open) return pc_fail(ctx, PC_E_BUG, "the loop of face %u of the shell does not close", first);
+    return pc_fail(ctx, PC_E_BUG, "edge %u of the shell is %g off face %u", fault.edge, fault.gap, first);
 }
 
 pc_status pc_shell_check(const pc_shell *shell, pc_context *ctx, double size) {
@@ -597,8 +614,7 @@ pc_status pc_shell_check(const pc_shell *shell, pc_context *ctx, double size) {
     uint8_t *use = NULL;
     pc_index border = 0;
     PC_TRY(pc_new(&use, ctx, shell->edge_count));
-    for (pc_index f = 0; f < shell->face_count; f++)
-        PC_TRY(check_face(shell, ctx, f, size));
+    PC_TRY(check_faces(shell, ctx, size));
     for (size_t i = 0; i < shell->loop_count; i++) {
         uint8_t way = (uint8_t)(1 + shell->loop[i] % 2);
         if (use[shell->loop[i] / 2] & way)
