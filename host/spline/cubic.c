@@ -27,8 +27,8 @@ void pc_cubic_bezier(double coefficient[4], const double knots[5], double low, d
 }
 
 void pc_bernstein(double value[4], double first[4], double second[4], double u) {
-    double v = 1 - u;
-    value[0] = v * v * v, value[1] = 3 * u * v * v, value[2] = 3 * u * u * v, value[3] = u * u * u;
+    const double v = 1 - u;
+    pc_bernstein_values(value, u);
     first[0] = -3 * v * v, first[1] = 3 * v * (v - 2 * u), first[2] = 3 * u * (2 * v - u),
     first[3] = 3 * u * u;
     second[0] = 6 * v, second[1] = 6 * (u - 2 * v), second[2] = 6 * (v - 2 * u), second[3] = 6 * u;

@@ -11,7 +11,12 @@ double pc_cubic_blossom(const double knots[5], int span, double x0, double x1, d
  * lies outside of them. */
 void pc_cubic_bezier(double coefficient[4], const double knots[5], double low, double high);
 
-/* The four cubic Bernstein polynomials at u in 0..1, and their first and second derivatives. */
+/* The four cubic Bernstein polynomials at u in 0..1. */
+static inline void pc_bernstein_values(double value[4], double u) {
+    const double v = 1 - u;
+    value[0] = v * v * v, value[1] = 3 * u * v * v, value[2] = 3 * u * u * v, value[3] = u * u * u;
+}
+/* The same, and their first and second derivatives. */
 void pc_bernstein(double value[4], double first[4], double second[4], double u);
 
 /* The blossom of the cubic with Bezier coefficients b over [low, high] is the sum of weight[i]*b[i]; any

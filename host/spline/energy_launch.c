@@ -12,6 +12,7 @@ static const uint32_t irregular_mark = 0x80000000u;
 /* Rows [from,to) and the elements that they need, so few that every array fits the device's buffers. */
 typedef struct part {
     pc_index from, to;
+    size_t cap; /* bytes of one array */
     pc_index element_count;
     pc_index *element; /* places in the energy's list, ascending */
     size_t coefficient_count;
@@ -30,7 +31,7 @@ static size_t largest(const size_t *bytes, size_t count) {
 }
 
 /* The rows from part->from on that fit, one at least; p->local tells the elements by their part's number. */
-static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *work, size_t cap) {
+static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *work) {
     const pc_basis *basis = &energy->spline->basis;
     size_t sample_count = 0;
     p->element_count = 0, p->coefficient_count = 0;
@@ -50,7 +51,7 @@ static void choose_rows(part *p, const pc_energy *energy, const pc_energy_work *
             coefficients * sizeof(double),
             (energy->slot_start[p->to + 1] - energy->slot_start[p->from]) * sizeof(uint16_t),
             (energy->system.start[p->to + 1] - energy->system.start[p->from]) * sizeof(double)};
-        if (p->to > p->from && largest(bytes, sizeof bytes / sizeof *bytes) > cap) {
+        if (p->to > p->from && largest(bytes, sizeof bytes / sizeof *bytes) > p->cap) {
             for (size_t k = p->element_count; k < elements; k++)
                 p->local[p->element[k]] = PC_NONE;
             break;
@@ -71,24 +72,19 @@ typedef struct buffers {
     pc_buffer *start, *use_start, *use, *use_element, *slot_start, *slot;
     pc_buffer *functions, *coefficient_start, *coefficient;
     pc_buffer *plate, *bending, *stiff, *stiff_diagonal;
-    /* of one filling */
+    /* of one filling; they stay for the next */
     pc_buffer *first, *sample, *bezier;
+    size_t sample_room;
     pc_buffer *local, *tally, *value, *diagonal, *right;
 } buffers;
-
-static void free_samples(buffers *b, pc_context *ctx) {
-    pc_buffer **all[] = {&b->first, &b->sample, &b->bezier};
-    for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
-        pc_buffer_free(*all[k], ctx), *all[k] = NULL;
-}
 
 static void free_buffers(buffers *b, pc_context *ctx) {
     pc_buffer *all[] = {b->start,          b->use_start, b->use,       b->use_element,
                         b->slot_start,     b->slot,      b->functions, b->coefficient_start,
                         b->coefficient,    b->plate,     b->bending,   b->stiff,
-                        b->stiff_diagonal, b->local,     b->tally,     b->value,
-                        b->diagonal,       b->right};
-    free_samples(b, ctx);
+                        b->stiff_diagonal, b->first,     b->sample,    b->bezier,
+                        b->local,          b->tally,     b->value,     b->diagonal,
+                        b->right};
     for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
         pc_buffer_free(all[k], ctx);
     *b = (buffers){0};
@@ -115,9 +111,14 @@ static pc_status upload_samples(buffers *b, size_t *count, pc_context *ctx, pc_d
         first[k + 1] = first[k] + (uint32_t)(work->first[e + 1] - work->first[e]);
     }
     *count = first[n];
-    PC_TRY(pc_buffer_from(&b->first, ctx, device, first, (n + 1) * sizeof *first));
-    PC_TRY(pc_buffer_make(&b->sample, ctx, device, SAMPLE * *count * sizeof *sample));
-    PC_TRY(pc_buffer_make(&b->bezier, ctx, device, 48 * n * sizeof *bezier));
+    PC_TRY(pc_buffer_write(b->first, ctx, 0, first, (n + 1) * sizeof *first));
+    if (!b->sample || *count > b->sample_room) {
+        const size_t slack = *count / 16, most = p->cap / (SAMPLE * sizeof *sample);
+        pc_buffer_free(b->sample, ctx), b->sample = NULL, b->sample_room = 0;
+        const size_t room = *count + slack < most ? *count + slack : *count;
+        PC_TRY(pc_buffer_make(&b->sample, ctx, device, SAMPLE * room * sizeof *sample));
+        b->sample_room = room;
+    }
     PC_TRY(pc_buffer_map(&sample, ctx, b->sample));
     PC_TRY(pc_buffer_map(&bezier, ctx, b->bezier));
 #pragma omp parallel for schedule(static)
@@ -242,6 +243,8 @@ static pc_status make_rows(buffers *b, pc_context *ctx, pc_device *device, const
         PC_TRY(pc_buffer_make(diagonal[k], ctx, device, rows * sizeof(double)));
     }
     PC_TRY(pc_buffer_make(&b->right, ctx, device, 3 * rows * sizeof(double)));
+    PC_TRY(pc_buffer_make(&b->first, ctx, device, (n + 1) * sizeof(uint32_t)));
+    PC_TRY(pc_buffer_make(&b->bezier, ctx, device, 48 * n * sizeof(double)));
     PC_TRY(pc_buffer_make(&b->local, ctx, device, LOCAL * n * sizeof(double)));
     PC_TRY(pc_buffer_make(&b->tally, ctx, device, 3 * n * sizeof(double)));
     PC_TRY(pc_kernel_get(&kernel, ctx, device, pc_kernel_fit, "fit_bending"));
@@ -316,12 +319,11 @@ static pc_status fill_part(pc_energy *energy, pc_context *ctx, pc_device *device
     PC_TRY(run(b, ctx, device, p, samples));
     PC_TRY(fetch(energy, ctx, b, p));
 done:
-    free_samples(b, ctx);
     return status;
 }
 
 static pc_status launch_parts(pc_energy *energy, pc_context *ctx, pc_device *device,
-                              const pc_energy_work *work, size_t cap, pc_energy_resident *state) {
+                              const pc_energy_work *work, pc_energy_resident *state) {
     pc_status status = PC_OK;
     part *p = &state->part;
     buffers *b = &state->buffers;
@@ -329,7 +331,7 @@ static pc_status launch_parts(pc_energy *energy, pc_context *ctx, pc_device *dev
     PC_TRY(pc_new(&p->local, ctx, energy->element_count));
     for (p->from = 0; p->from < energy->row_count; p->from = p->to) {
         free_buffers(b, ctx);
-        choose_rows(p, energy, work, cap);
+        choose_rows(p, energy, work);
         PC_TRY(upload_functions(b, ctx, device, energy, p));
         PC_TRY(upload_rows(b, ctx, device, energy, p));
         PC_TRY(upload_bending(b, ctx, device, energy, p, work->fairness));
@@ -355,7 +357,8 @@ pc_status pc_energy_launch(pc_energy *energy, pc_context *ctx, pc_device *device
     pc_energy_withdraw(energy, ctx);
     PC_TRY(pc_new(&energy->resident, ctx, 1));
     energy->resident->device = device, energy->resident->fairness = work->fairness;
-    PC_TRY(launch_parts(energy, ctx, device, work, cap, energy->resident));
+    energy->resident->part.cap = cap;
+    PC_TRY(launch_parts(energy, ctx, device, work, energy->resident));
 done:
     if (energy->resident && (status != PC_OK || energy->resident->part.from > 0))
         pc_energy_withdraw(energy, ctx);

@@ -10,25 +10,18 @@ typedef struct gathering {
     pc_summits *summits;
     const uint8_t *active; /* per face: its samples are wanted */
     double within,
-        near;       /* the tolerance; samples farther away than `near` come to weigh more. 0: none does */
-    pc_sample *raw; /* of the scan's vertices, of the grids, of the summits; element PC_NONE: not used */
-    size_t count;   /* of all */
-    double *distance;
+        near; /* the tolerance; samples farther away than `near` come to weigh more. 0: none does */
+    /* Of the scan's vertices, of the grids, of the summits; element PC_NONE: not used. */
+    pc_surface_place *place;
+    size_t count;     /* of all */
+    size_t *rank;     /* where each stands when sorted by element */
+    size_t *start;    /* per element, and the end */
+    double *distance; /* sorted */
     size_t *per_face; /* vertices of the scan at each face */
 } gathering;
 
 static bool is_wanted(const gathering *g, pc_index f) {
     return f != PC_NONE && !g->spline->mesh.face[f].ghost && (!g->active || g->active[f]);
-}
-
-static void sample_vertices(gathering *g) {
-#pragma omp parallel for schedule(static)
-    for (pc_index v = 0; v < g->vertices->count; v++) {
-        g->raw[v].place.element = PC_NONE;
-        if (!is_wanted(g, g->vertices->spot[v].face)) continue;
-        g->raw[v] = (pc_sample){.place = pc_correspondence_place(g->vertices, g->spline, v),
-                                .target = pc_vec3_at(g->target->mesh->position, v)};
-    }
 }
 
 /* Beyond the border of the scan there are no data: as far as the tolerance the surface goes on as the scan
@@ -44,30 +37,54 @@ static pc_vec3 target_of(const gathering *g, const pc_foot *foot, pc_surface_pla
     return pc_madd(foot->point, length > most ? most / length : 1, past);
 }
 
-static void sample_grids(gathering *g) {
-    const pc_footpoints *feet = g->feet;
-    const size_t n = (size_t)feet->per_side, each = n * n;
-#pragma omp parallel for schedule(static)
-    for (pc_index f = 0; f < feet->face_count; f++)
-        for (size_t i = 0; i < each; i++) {
-            pc_sample *to = g->raw + g->vertices->count + f * each + i;
-            double at[2];
-            to->place.element = PC_NONE;
-            if (!is_wanted(g, f)) continue;
-            pc_footpoints_at(at, feet, f, (int)i);
-            to->place = pc_tspline_place(g->spline, f, at[0], at[1]);
-            to->target = target_of(g, feet->foot + f * each + i, to->place);
-        }
+static pc_surface_place place_of(const gathering *g, size_t i) {
+    const size_t vertices = g->vertices->count, feet = pc_footpoints_count(g->feet);
+    const size_t each = (size_t)g->feet->per_side * (size_t)g->feet->per_side;
+    const pc_surface_place none = {PC_NONE, 0, 0};
+    if (i < vertices)
+        return is_wanted(g, g->vertices->spot[i].face)
+                   ? pc_correspondence_place(g->vertices, g->spline, (pc_index)i)
+                   : none;
+    i -= vertices;
+    if (i < feet) {
+        double at[2];
+        const pc_index f = (pc_index)(i / each);
+        if (!is_wanted(g, f)) return none;
+        pc_footpoints_at(at, g->feet, f, (int)(i % each));
+        return pc_tspline_place(g->spline, f, at[0], at[1]);
+    }
+    i -= feet;
+    return is_wanted(g, g->summits->places.spot[i].face)
+               ? pc_correspondence_place(&g->summits->places, g->spline, (pc_index)i)
+               : none;
 }
 
-static void sample_summits(gathering *g) {
-    pc_sample *to = g->raw + g->vertices->count + pc_footpoints_count(g->feet);
-    for (pc_index i = 0; i < g->summits->places.count; i++) {
-        to[i].place.element = PC_NONE;
-        if (!is_wanted(g, g->summits->places.spot[i].face)) continue;
-        to[i].place = pc_correspondence_place(&g->summits->places, g->spline, i);
-        to[i].target = target_of(g, g->summits->foot + i, to[i].place);
-    }
+static pc_vec3 target_at(const gathering *g, size_t i) {
+    const size_t vertices = g->vertices->count, feet = pc_footpoints_count(g->feet);
+    if (i < vertices) return pc_vec3_at(g->target->mesh->position, i);
+    const size_t foot = i - vertices;
+    return target_of(g, foot < feet ? g->feet->foot + foot : g->summits->foot + (foot - feet), g->place[i]);
+}
+
+static void find_places(gathering *g) {
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < g->count; i++)
+        g->place[i] = place_of(g, i);
+}
+
+/* Where the samples go: by element, and as they come within one. */
+static pc_status sort_places(gathering *g, pc_context *ctx) {
+    pc_status status = PC_OK;
+    const size_t elements = g->spline->basis.element_count;
+    PC_TRY(pc_new(&g->start, ctx, elements + 2));
+    for (size_t i = 0; i < g->count; i++)
+        if (g->place[i].element != PC_NONE) g->start[g->place[i].element + 2]++;
+    for (size_t e = 0; e < elements; e++)
+        g->start[e + 2] += g->start[e + 1];
+    for (size_t i = 0; i < g->count; i++)
+        if (g->place[i].element != PC_NONE) g->rank[i] = g->start[g->place[i].element + 1]++;
+done:
+    return status;
 }
 
 static pc_status count_vertices(gathering *g, pc_context *ctx) {
@@ -90,53 +107,35 @@ static float *stress_of(const gathering *g, size_t i) {
 static double weigh(gathering *g, size_t i, double distance) {
     const double few = 4, most = 30;
     const double grid = (double)(g->feet->per_side * g->feet->per_side);
-    const double vertices = (double)g->per_face[g->spline->basis.element[g->raw[i].place.element].face];
+    const double vertices = (double)g->per_face[g->spline->basis.element[g->place[i].element].face];
     const double share = 0.5 / (vertices + few); /* of one vertex */
     float *stress = stress_of(g, i);
     if (g->near > 0) *stress = (float)fmin(fmax(fmax(*stress, 1) * distance / g->near, 1), most);
     return (i < g->vertices->count ? share : (1 - vertices * share) / grid) * fmax(*stress, 1);
 }
 
-static void weigh_all(gathering *g) {
+static void put_samples(gathering *g, pc_samples *samples) {
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < g->count; i++) {
-        pc_sample *sample = g->raw + i;
-        if (sample->place.element == PC_NONE) continue;
-        g->distance[i] = pc_distance(pc_tspline_point(g->spline, sample->place), sample->target);
-        sample->weight = weigh(g, i, g->distance[i]);
+        const pc_surface_place place = g->place[i];
+        if (place.element == PC_NONE) continue;
+        const pc_vec3 target = target_at(g, i);
+        const double distance = pc_distance(pc_tspline_point(g->spline, place), target);
+        g->distance[g->rank[i]] = distance;
+        samples->sample[g->rank[i]] = (pc_sample){place, target, weigh(g, i, distance)};
     }
 }
 
 static pc_status find_farthest(const gathering *g, pc_samples *samples, pc_context *ctx) {
     const pc_basis *basis = &g->spline->basis;
     const pc_status status = pc_new(&samples->far, ctx, basis->face_count);
-    for (pc_index f = 0; f < basis->face_count && status == PC_OK; f++)
-        samples->far[f] = -1;
-    for (size_t i = 0; i < g->count && status == PC_OK; i++) {
-        if (g->raw[i].place.element == PC_NONE) continue;
-        double *far = samples->far + basis->element[g->raw[i].place.element].face;
-        *far = fmax(*far, g->distance[i]);
-        samples->max = fmax(samples->max, g->distance[i]);
+    for (pc_index f = 0; f < basis->face_count && status == PC_OK; f++) {
+        double far = -1;
+        for (size_t i = g->start[basis->face_start[f]]; i < g->start[basis->face_start[f + 1]]; i++)
+            far = fmax(far, g->distance[i]);
+        samples->far[f] = far;
+        samples->max = fmax(samples->max, far);
     }
-    return status;
-}
-
-static pc_status sort_samples(gathering *g, pc_samples *samples, pc_context *ctx) {
-    pc_status status = PC_OK;
-    const pc_basis *basis = &g->spline->basis;
-    size_t *start = NULL;
-    PC_TRY(pc_new(&start, ctx, (size_t)basis->element_count + 2));
-    for (size_t i = 0; i < g->count; i++)
-        if (g->raw[i].place.element != PC_NONE) start[g->raw[i].place.element + 2]++;
-    for (size_t e = 0; e < basis->element_count; e++)
-        start[e + 2] += start[e + 1];
-    samples->count = start[basis->element_count + 1];
-    PC_TRY(pc_new(&samples->sample, ctx, samples->count));
-    for (size_t i = 0; i < g->count; i++)
-        if (g->raw[i].place.element != PC_NONE)
-            samples->sample[start[g->raw[i].place.element + 1]++] = g->raw[i];
-done:
-    pc_free(ctx, start);
     return status;
 }
 
@@ -154,17 +153,20 @@ pc_status pc_samples_make(pc_samples *samples, pc_context *ctx, const pc_tspline
                    .near = 0.5 * within};
     *samples = (pc_samples){0};
     g.count = g.vertices->count + pc_footpoints_count(g.feet) + g.summits->places.count;
-    PC_TRY(pc_new(&g.raw, ctx, g.count));
-    PC_TRY(pc_new(&g.distance, ctx, g.count));
-    sample_vertices(&g);
-    sample_grids(&g);
-    sample_summits(&g);
+    PC_TRY(pc_resize(&g.place, ctx, g.count));
+    PC_TRY(pc_resize(&g.rank, ctx, g.count));
+    find_places(&g);
+    PC_TRY(sort_places(&g, ctx));
+    samples->count = g.start[spline->basis.element_count];
+    PC_TRY(pc_resize(&samples->sample, ctx, samples->count));
+    PC_TRY(pc_resize(&g.distance, ctx, samples->count));
     PC_TRY(count_vertices(&g, ctx));
-    weigh_all(&g);
+    put_samples(&g, samples);
     PC_TRY(find_farthest(&g, samples, ctx));
-    PC_TRY(sort_samples(&g, samples, ctx));
 done:
-    pc_free(ctx, g.raw);
+    pc_free(ctx, g.place);
+    pc_free(ctx, g.rank);
+    pc_free(ctx, g.start);
     pc_free(ctx, g.distance);
     pc_free(ctx, g.per_face);
     if (status != PC_OK) pc_samples_free(samples, ctx);

@@ -202,12 +202,16 @@ pc_surface_point pc_tspline_evaluate(const pc_tspline *spline, pc_surface_place 
 
 pc_vec3 pc_tspline_point(const pc_tspline *spline, pc_surface_place place) {
     const double *bezier = spline->bezier + 48 * (size_t)place.element;
-    local l = localise(spline, place);
-    pc_vec3 p = {0, 0, 0};
-    for (size_t j = 0; j < 4; j++)
-        for (size_t i = 0; i < 4; i++)
-            p = pc_madd(p, l.b[0][0][i] * l.b[1][0][j], pc_vec3_at(bezier, i + 4 * j));
-    return p;
+    const pc_element *e = spline->basis.element + place.element;
+    double s[4], t[4], p[3] = {0, 0, 0};
+    pc_bernstein_values(s, (place.s - e->low[0]) / (e->high[0] - e->low[0]));
+    pc_bernstein_values(t, (place.t - e->low[1]) / (e->high[1] - e->low[1]));
+    for (size_t j = 0; j < 4; j++) {
+        const double *x = bezier + 12 * j;
+        for (size_t k = 0; k < 3; k++)
+            p[k] += t[j] * (s[0] * x[k] + s[1] * x[3 + k] + s[2] * x[6 + k] + s[3] * x[9 + k]);
+    }
+    return (pc_vec3){p[0], p[1], p[2]};
 }
 
 pc_surface_place pc_tspline_place(const pc_tspline *spline, pc_index face, double s, double t) {
