@@ -203,24 +203,28 @@ static pc_status fail_certificate(pc_context *ctx, const pc_certificate *certifi
 pc_status pc_export(char **report, pc_run *run) {
     pc_findings findings = {0};
     pc_album album = {0};
+    pc_spline_texts texts = {0};
     pc_status status = PC_OK;
     *report = NULL;
     PC_TRY(measure(&findings, run));
+    if (findings.has_spline) pc_spline_texts_start(&texts, run, &findings.spline);
     pc_progress(run->ctx, 0.4);
     PC_TRY(write_result(run, &findings));
     pc_progress(run->ctx, 0.6);
     if (finished(run, PC_STAGE_QUADS)) PC_TRY(write_quads(run));
-    if (finished(run, PC_STAGE_SPLINE)) PC_TRY(pc_spline_files_write(run, &findings.spline));
+    if (findings.has_spline) PC_TRY(pc_spline_skin_write(run));
     if (finished(run, PC_STAGE_MESH)) PC_TRY(write_scan(run));
     pc_progress(run->ctx, 0.8);
     PC_TRY(write_pictures(&album, run));
     PC_TRY(pc_check_interrupt(run->ctx));
     if (findings.has_spline) PC_TRY(pc_album_measure(&album, run->ctx, &run->product));
+    PC_TRY(pc_spline_texts_finish(&texts));
     PC_TRY(pc_html_report_write(run, &findings, &album));
     PC_TRY(write_report(report, run, &findings));
     if (findings.has_quality && !findings.certificate.passed)
         status = fail_certificate(run->ctx, &findings.certificate);
 done:
+    (void)pc_spline_texts_finish(&texts);
     pc_album_free(&album, run->ctx);
     pc_spline_findings_free(&findings.spline, run->ctx);
     return status;

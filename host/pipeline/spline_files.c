@@ -133,8 +133,7 @@ static pc_status write_format(pc_run *run, const pc_spline_findings *findings, p
     return status;
 }
 
-/* The surface as triangles, with its distance to the scan. */
-static pc_status write_skin(pc_run *run) {
+pc_status pc_spline_skin_write(pc_run *run) {
     enum { STEPS = 4 };
     const pc_store_options options = {.force = true, .compress = run->options->compress};
     const pc_tspline *spline = &run->product.spline.surface;
@@ -145,7 +144,7 @@ static pc_status write_skin(pc_run *run) {
     char *path = NULL;
     pc_status status = PC_OK;
     PC_TRY(pc_stage_hold(run, PC_STAGE_MESH));
-    PC_TRY(pc_skin_make(&skin, run->ctx, spline, STEPS));
+    PC_TRY(pc_skin_make(&skin, run->ctx, spline, STEPS, NULL));
     PC_TRY(pc_bvh_make(&tree, run->ctx, &run->product.mesh.mesh));
     PC_TRY(pc_new(&hits, run->ctx, skin.mesh.vertex_count));
     PC_TRY(pc_new(&distance, run->ctx, skin.mesh.vertex_count));
@@ -163,14 +162,13 @@ done:
     return status;
 }
 
-pc_status pc_spline_files_write(pc_run *run, const pc_spline_findings *findings) {
+static pc_status write_texts(pc_run *run, const pc_spline_findings *findings) {
     char *step = NULL, *cage = NULL;
     pc_status status = PC_OK;
     PC_TRY(pc_folder_join(&step, run->ctx, run->out, PC_OUT_SURFACE, ".step"));
     PC_TRY(pc_step_write(run->ctx, &findings->shell, findings->held->diagonal, PC_OUT_SURFACE, step, true));
     PC_TRY(pc_folder_join(&cage, run->ctx, run->out, PC_OUT_CAGE, ""));
     PC_TRY(pc_cage_write(run->ctx, &findings->held->surface, cage, true));
-    PC_TRY(write_skin(run));
     for (int format = 0; format < PC_SPLINE_FORMATS; format++)
         if (run->options->spline_formats >> format & 1)
             PC_TRY(write_format(run, findings, (pc_spline_format)format));
@@ -178,4 +176,22 @@ done:
     pc_free(run->ctx, step);
     pc_free(run->ctx, cage);
     return status;
+}
+
+static void *write_apart(void *of) {
+    pc_spline_texts *texts = of;
+    texts->status = write_texts(texts->run, texts->findings);
+    return NULL;
+}
+
+void pc_spline_texts_start(pc_spline_texts *texts, pc_run *run, const pc_spline_findings *findings) {
+    *texts = (pc_spline_texts){.run = run, .findings = findings};
+    texts->apart = pthread_create(&texts->thread, NULL, write_apart, texts) == 0;
+    if (!texts->apart) (void)write_apart(texts);
+}
+
+pc_status pc_spline_texts_finish(pc_spline_texts *texts) {
+    if (texts->run && texts->apart) (void)pthread_join(texts->thread, NULL);
+    texts->run = NULL;
+    return texts->status;
 }

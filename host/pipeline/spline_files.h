@@ -7,6 +7,7 @@
 #include "measure.h"
 #include "shell.h"
 #include "stage.h"
+#include <pthread.h>
 
 typedef struct pc_spline_findings {
     const pc_held_spline *held; /* borrowed */
@@ -24,8 +25,22 @@ void pc_spline_findings_put(pc_json *json, const pc_spline_findings *findings);
 void pc_spline_findings_certify(pc_certificate *certificate, const pc_held_spline *spline,
                                 pc_index most_points);
 
-/* surface.step, cage.obj (control mesh for modelling programs), surface.hdf (triangles, with the distance to
- * the scan), and the further formats that the options ask for. PC_E_IO. */
-pc_status pc_spline_files_write(pc_run *run, const pc_spline_findings *findings);
+/* surface.hdf: triangles, with their distance to the scan. PC_E_IO. */
+pc_status pc_spline_skin_write(pc_run *run);
+
+/* surface.step, cage.obj (control mesh for modelling programs), and the further formats that the options ask
+ * for, written while the caller does something else. */
+typedef struct pc_spline_texts {
+    pc_run *run; /* NULL: nothing is under way */
+    const pc_spline_findings *findings;
+    pthread_t thread;
+    bool apart; /* there is a thread */
+    pc_status status;
+} pc_spline_texts;
+
+/* Run and findings stay as they are until pc_spline_texts_finish. */
+void pc_spline_texts_start(pc_spline_texts *texts, pc_run *run, const pc_spline_findings *findings);
+/* Waits for the end. PC_E_IO, PC_E_NOMEM; PC_OK where nothing was started. */
+pc_status pc_spline_texts_finish(pc_spline_texts *texts);
 
 #endif

@@ -66,15 +66,19 @@ pc_index pc_folds_find(uint8_t *folded, const pc_tspline *spline, const pc_targe
 
 /* ---- One disk ---- */
 
-enum { FAR = 255 }; /* a face that is in no ring */
+enum {
+    FAR = 255,     /* a face that is in no ring */
+    FIRST_RING = 2 /* of the smallest disks */
+};
 
 typedef struct opening {
     pc_matching *matching;
     const pc_tspline *spline;
     const pc_target *target;
     double tolerance;
-    pc_skin skin;
+    pc_skin skin; /* of the surface, or of what is around the group at hand */
     pc_adjacency skin_adjacency;
+    bool whole;                         /* all of the surface */
     uint8_t *skin_inside, *scan_inside; /* per triangle */
     uint8_t *known;                     /* per vertex of the scan: near its place */
     pc_index *group;                    /* per face: of which group of folded faces, PC_NONE */
@@ -132,13 +136,8 @@ static pc_index find_groups(opening *o, const uint8_t *folded) {
     return groups;
 }
 
-static pc_status cut_out(opening *o, pc_context *ctx) {
-    pc_status status = PC_OK;
+static pc_status cut_out_below(opening *o, pc_context *ctx) {
     const pc_mesh *scan = o->target->mesh;
-    const pc_basis *basis = &o->spline->basis;
-#pragma omp parallel for schedule(static)
-    for (pc_index t = 0; t < o->skin.mesh.face_count; t++)
-        o->skin_inside[t] = o->ring[basis->element[o->skin.element[t]].face] != FAR;
 #pragma omp parallel for schedule(static)
     for (pc_index t = 0; t < scan->face_count; t++) {
         bool in = true;
@@ -148,10 +147,15 @@ static pc_status cut_out(opening *o, pc_context *ctx) {
         }
         o->scan_inside[t] = in;
     }
-    PC_TRY(pc_disk_make(&o->above, ctx, &o->skin.mesh, &o->skin_adjacency, o->skin_inside));
-    PC_TRY(pc_disk_make(&o->below, ctx, scan, o->target->adjacency, o->scan_inside));
-done:
-    return status;
+    return pc_disk_make(&o->below, ctx, scan, o->target->adjacency, o->scan_inside);
+}
+
+static pc_status cut_out_above(opening *o, pc_context *ctx) {
+    const pc_basis *basis = &o->spline->basis;
+#pragma omp parallel for schedule(static)
+    for (pc_index t = 0; t < o->skin.mesh.face_count; t++)
+        o->skin_inside[t] = o->ring[basis->element[o->skin.element[t]].face] != FAR;
+    return pc_disk_make(&o->above, ctx, &o->skin.mesh, &o->skin_adjacency, o->skin_inside);
 }
 
 /* Of the outer faces of the disk, which are there to be relied on. */
@@ -322,8 +326,10 @@ static pc_status try_disk(bool *opened, opening *o, pc_context *ctx) {
     pc_status status = PC_OK;
     bool laid;
     *opened = false;
-    PC_TRY(cut_out(o, ctx));
-    if (!o->above.loop_count || !o->below.loop_count || !rims_agree(o)) goto done;
+    PC_TRY(cut_out_below(o, ctx));
+    if (!o->below.loop_count || !rims_agree(o)) goto done;
+    PC_TRY(cut_out_above(o, ctx));
+    if (!o->above.loop_count) goto done;
     status = lay_above(o, ctx);
     if (status == PC_OK) status = lay_below(&laid, o, ctx);
     if (status == PC_E_NOCONV) { /* too deep a shape for numbers: the next ring may do */
@@ -362,15 +368,78 @@ static void find_known(opening *o) {
                        spot_distance(o->matching, o->spline, o->target, v) < far * o->tolerance);
 }
 
+static void free_skin(opening *o, pc_context *ctx) {
+    pc_skin_free(&o->skin, ctx);
+    pc_adjacency_free(&o->skin_adjacency, ctx);
+    pc_free(ctx, o->skin_inside), o->skin_inside = NULL;
+}
+
+/* Of the faces in rings, or of all. */
+static pc_status make_skin(opening *o, pc_context *ctx) {
+    enum { STEPS = 4 };
+    pc_status status = PC_OK;
+    uint8_t *wanted = NULL;
+    free_skin(o, ctx);
+    PC_TRY(pc_new(&wanted, ctx, o->spline->mesh.face_count));
+    for (pc_index f = 0; f < o->spline->mesh.face_count; f++)
+        wanted[f] = o->whole || o->ring[f] != FAR;
+    PC_TRY(pc_skin_make(&o->skin, ctx, o->spline, STEPS, wanted));
+    PC_TRY(pc_adjacency_make(&o->skin_adjacency, ctx, &o->skin.mesh));
+    PC_TRY(pc_new(&o->skin_inside, ctx, o->skin.mesh.face_count));
+done:
+    pc_free(ctx, wanted);
+    return status;
+}
+
+static void make_rings(opening *o, pc_index group, int rings) {
+    start_rings(o, group);
+    while (o->last < rings)
+        add_ring(o);
+}
+
+/* Most disks are small: for these what is around the group will do, as far as it can't be taken for a hole of
+ * the disk. */
+static pc_status try_small_disk(bool *opened, opening *o, pc_context *ctx, pc_index group) {
+    enum { SURROUNDINGS = 4 * FIRST_RING };
+    pc_status status = PC_OK;
+    make_rings(o, group, SURROUNDINGS);
+    status = make_skin(o, ctx);
+    if (status == PC_E_MESH) { /* it touches itself at a vertex */
+        pc_context_clear_message(ctx);
+        return PC_OK;
+    }
+    PC_TRY(status);
+    make_rings(o, group, FIRST_RING);
+    PC_TRY(try_disk(opened, o, ctx));
+done:
+    return status;
+}
+
+/* One ring after the other around a group of folded faces, until they can be laid flat. */
+static pc_status open_group(bool *opened, opening *o, pc_context *ctx, pc_index group) {
+    enum { MOST_RINGS = 24 };
+    pc_status status = PC_OK;
+    *opened = false;
+    if (!o->whole) PC_TRY(try_small_disk(opened, o, ctx, group));
+    if (*opened) return PC_OK;
+    if (!o->whole) {
+        o->whole = true;
+        PC_TRY(make_skin(o, ctx));
+    }
+    for (make_rings(o, group, FIRST_RING); !*opened && o->last <= MOST_RINGS; add_ring(o)) {
+        PC_TRY(pc_check_interrupt(ctx));
+        if ((o->last > 6 && o->last % 2) || (o->last > 12 && o->last % 4)) continue;
+        PC_TRY(try_disk(opened, o, ctx));
+    }
+done:
+    return status;
+}
+
 pc_status pc_folds_open(pc_matching *matching, pc_index *opened, pc_context *ctx, const pc_tspline *spline,
                         const pc_target *target, const uint8_t *folded, double tolerance) {
-    enum { STEPS = 4, FIRST_RING = 2, MOST_RINGS = 24 };
     pc_status status = PC_OK;
     opening o = {.matching = matching, .spline = spline, .target = target, .tolerance = tolerance};
     pc_index count = 0;
-    PC_TRY(pc_skin_make(&o.skin, ctx, spline, STEPS));
-    PC_TRY(pc_adjacency_make(&o.skin_adjacency, ctx, &o.skin.mesh));
-    PC_TRY(pc_new(&o.skin_inside, ctx, o.skin.mesh.face_count));
     PC_TRY(pc_new(&o.scan_inside, ctx, target->mesh->face_count));
     PC_TRY(pc_new(&o.known, ctx, target->mesh->vertex_count));
     PC_TRY(pc_new(&o.group, ctx, spline->mesh.face_count));
@@ -378,23 +447,15 @@ pc_status pc_folds_open(pc_matching *matching, pc_index *opened, pc_context *ctx
     find_known(&o);
     const pc_index groups = find_groups(&o, folded);
     for (pc_index g = 0; g < groups; g++) {
-        bool found = false;
-        start_rings(&o, g);
-        while (!found && o.last < MOST_RINGS) {
-            PC_TRY(pc_check_interrupt(ctx));
-            add_ring(&o);
-            if (o.last < FIRST_RING || (o.last > 6 && o.last % 2) || (o.last > 12 && o.last % 4)) continue;
-            PC_TRY(try_disk(&found, &o, ctx));
-        }
+        bool found;
+        PC_TRY(open_group(&found, &o, ctx, g));
         count += found;
     }
     matching->let_go = tolerance;
     if (opened) *opened = count;
     pc_log(ctx, PC_LOG_DEBUG, "spline: %u of %u folds laid flat", count, groups);
 done:
-    pc_skin_free(&o.skin, ctx);
-    pc_adjacency_free(&o.skin_adjacency, ctx);
-    pc_free(ctx, o.skin_inside);
+    free_skin(&o, ctx);
     pc_free(ctx, o.scan_inside);
     pc_free(ctx, o.known);
     pc_free(ctx, o.group);

@@ -22,6 +22,7 @@ typedef struct spot {
 typedef struct making {
     pc_skin *skin;
     const pc_tspline *spline;
+    const uint8_t *wanted; /* per face; NULL: all */
     int steps;
     pc_index *of_vertex; /* per vertex of the T-mesh */
     size_t *edge_start;  /* per half-edge +1, at the smaller of two: into edge_place */
@@ -53,8 +54,8 @@ static pc_index lower_half(const pc_tmesh *mesh, pc_index h) {
     return h < mesh->half[h].twin ? h : mesh->half[h].twin;
 }
 
-static bool is_real(const pc_tmesh *mesh, pc_index h) {
-    return mesh->half[h].face != PC_NONE && !mesh->face[mesh->half[h].face].ghost;
+static bool is_wanted(const making *m, pc_index f) {
+    return f != PC_NONE && !m->spline->mesh.face[f].ghost && (!m->wanted || m->wanted[f]);
 }
 
 /* ---- Vertices ---- */
@@ -116,7 +117,7 @@ static void visit_side(making *m, pc_index e, int k, bool fill) {
 
 static void visit_sides(making *m, bool fill) {
     for (pc_index e = 0; e < m->spline->basis.element_count; e++)
-        for (int k = 0; k < 4; k++)
+        for (int k = 0; k < 4 && is_wanted(m, m->spline->basis.element[e].face); k++)
             visit_side(m, e, k, fill);
 }
 
@@ -136,7 +137,7 @@ static pc_status settle_edges(making *m, pc_context *ctx) {
         for (size_t i = begin; i < end; i++) {
             double x = m->edge_place[i], at[2];
             if (kept > first && m->edge_place[kept - 1] == x) continue;
-            pc_index real = is_real(mesh, h) ? h : mesh->half[h].twin;
+            pc_index real = is_wanted(m, mesh->half[h].face) ? h : mesh->half[h].twin;
             place_on_half(at, mesh, real, real == h ? x : mesh->half[h].interval - x);
             pc_surface_place place = pc_tspline_place(m->spline, mesh->half[real].face, at[0], at[1]);
             PC_TRY(add_vertex(m, ctx, place, m->edge_vertex + kept));
@@ -172,7 +173,7 @@ static pc_status make_corners(making *m, pc_context *ctx) {
     memset(m->of_vertex, 0xff, mesh->vertex_count * sizeof *m->of_vertex);
     for (pc_index h = 0; h < mesh->half_count; h++) {
         double at[2];
-        if (!is_real(mesh, h) || m->of_vertex[mesh->half[h].tail] != PC_NONE) continue;
+        if (!is_wanted(m, mesh->half[h].face) || m->of_vertex[mesh->half[h].tail] != PC_NONE) continue;
         pc_thalf_place(at, mesh, h);
         PC_TRY(add_vertex(m, ctx, pc_tspline_place(m->spline, mesh->half[h].face, at[0], at[1]),
                           m->of_vertex + mesh->half[h].tail));
@@ -341,15 +342,17 @@ static void make_normals(pc_skin *skin, const pc_tspline *spline) {
     }
 }
 
-pc_status pc_skin_make(pc_skin *skin, pc_context *ctx, const pc_tspline *spline, int steps) {
+pc_status pc_skin_make(pc_skin *skin, pc_context *ctx, const pc_tspline *spline, int steps,
+                       const uint8_t *wanted) {
     pc_status status = PC_OK;
-    making m = {.skin = skin, .spline = spline, .steps = steps < MOST_STEPS ? steps : MOST_STEPS};
+    making m = {.skin = skin, .spline = spline, .wanted = wanted};
+    m.steps = steps < MOST_STEPS ? steps : MOST_STEPS;
     const pc_basis *basis = &spline->basis;
     *skin = (pc_skin){0};
     PC_TRY(make_corners(&m, ctx));
     PC_TRY(make_edges(&m, ctx));
     for (pc_index f = 0; f < spline->mesh.face_count; f++) {
-        if (spline->mesh.face[f].ghost) continue;
+        if (!is_wanted(&m, f)) continue;
         m.spot_count = 0;
         PC_TRY(take_border(&m, ctx, f));
         PC_TRY(take_inside(&m, ctx, f));

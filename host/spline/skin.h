@@ -15,10 +15,11 @@ typedef struct pc_skin {
     size_t place_room, triangle_room;
 } pc_skin;
 
-/* `steps` cells, rounded up to a power of two, 64 at most, along each side of a face of the T-mesh, fewer on
- * the parts that its elements are. A vertex at which a neighbour is finer is taken up by a fan around the
- * cell's centre. PC_E_NOMEM. */
-pc_status pc_skin_make(pc_skin *skin, pc_context *ctx, const pc_tspline *spline, int steps);
+/* Of the faces with wanted[f] (NULL: all). `steps` cells, rounded up to a power of two, 64 at most, along
+ * each side of a face of the T-mesh, fewer on the parts that its elements are. A vertex at which a neighbour
+ * is finer is taken up by a fan around the cell's centre. PC_E_NOMEM. */
+pc_status pc_skin_make(pc_skin *skin, pc_context *ctx, const pc_tspline *spline, int steps,
+                       const uint8_t *wanted);
 void pc_skin_free(pc_skin *skin, pc_context *ctx);
 
 #endif

@@ -52,7 +52,7 @@ static void surfaces_have_no_cracks(void **state) {
         assert_ok(ctx, pc_tspline_measure(&measure, ctx, &spline));
         double error[2];
         for (int i = 0; i < 2; i++) {
-            assert_ok(ctx, pc_skin_make(&skin, ctx, &spline, i ? 8 : 4));
+            assert_ok(ctx, pc_skin_make(&skin, ctx, &spline, i ? 8 : 4, NULL));
             assert_ok(ctx, pc_mesh_check(&skin.mesh, ctx));
             assert_ok(ctx, pc_adjacency_make(&adjacency, ctx, &skin.mesh));
             size_t border = 0, edges = 0, halves = 3 * (size_t)skin.mesh.face_count;
@@ -102,6 +102,41 @@ static void measures_are_right(void **state) {
     }
 }
 
+/* The triangles of one face cover its parameters once, and lie on faces that are wanted. */
+static void parts_are_covered(void **state) {
+    pc_context *ctx = *state;
+    for (int kind = 0; kind < SAMPLE_COUNT; kind++) {
+        pc_tspline spline;
+        pc_skin skin;
+        uint8_t *wanted;
+        double *area;
+        make_sample_spline(&spline, ctx, kind);
+        const pc_index faces = spline.mesh.face_count;
+        assert_ok(ctx, pc_new(&wanted, ctx, faces));
+        assert_ok(ctx, pc_new(&area, ctx, faces));
+        for (pc_index f = 0; f < faces; f++)
+            wanted[f] = f % 5 < 2;
+        assert_ok(ctx, pc_skin_make(&skin, ctx, &spline, 4, wanted));
+        for (pc_index t = 0; t < skin.mesh.face_count; t++) {
+            const double *c = skin.corner + 6 * (size_t)t;
+            const pc_index f = spline.basis.element[skin.element[t]].face;
+            const double twice = (c[2] - c[0]) * (c[5] - c[1]) - (c[4] - c[0]) * (c[3] - c[1]);
+            assert_true(wanted[f] && twice > 0);
+            area[f] += twice / 2;
+        }
+        for (pc_index f = 0; f < faces; f++) {
+            const double *size = spline.mesh.face[f].size;
+            const double all = wanted[f] && !spline.mesh.face[f].ghost ? size[0] * size[1] : 0;
+            if (!(fabs(area[f] - all) <= 1e-12 * (1 + all)))
+                fail_msg("surface %d: %g of %g of face %u are covered", kind, area[f], all, f);
+        }
+        pc_free(ctx, wanted);
+        pc_free(ctx, area);
+        pc_skin_free(&skin, ctx);
+        pc_tspline_free(&spline, ctx);
+    }
+}
+
 static void vtk_reads_it(void **state) {
     pc_context *ctx = *state;
     pc_tspline spline;
@@ -110,7 +145,7 @@ static void vtk_reads_it(void **state) {
     char path[2][64];
     const pc_store_options options = {.force = true};
     make_sample_spline(&spline, ctx, SAMPLE_SPHERE);
-    assert_ok(ctx, pc_skin_make(&skin, ctx, &spline, 4));
+    assert_ok(ctx, pc_skin_make(&skin, ctx, &spline, 4, NULL));
     assert_ok(ctx, pc_new(&distance, ctx, skin.mesh.vertex_count));
     for (pc_index v = 0; v < skin.mesh.vertex_count; v++)
         distance[v] = pc_norm(pc_vec3_at(skin.mesh.position, v));
@@ -133,6 +168,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(surfaces_have_no_cracks, make_context, free_context),
         cmocka_unit_test_setup_teardown(measures_are_right, make_context, free_context),
+        cmocka_unit_test_setup_teardown(parts_are_covered, make_context, free_context),
         cmocka_unit_test_setup_teardown(vtk_reads_it, make_context, free_context),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
