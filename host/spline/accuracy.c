@@ -1,5 +1,6 @@
 #include "accuracy.h"
 #include "memory.h"
+#include <string.h>
 
 enum { MOST_PER_SIDE = 24 };
 
@@ -113,6 +114,22 @@ static pc_face_found measure_face(const pc_tspline *spline, const pc_target *tar
     return m;
 }
 
+static void measure_faces(pc_gauge *gauge, const pc_tspline *spline, const pc_target *target, int per_side,
+                          double near, const uint8_t *wanted) {
+#pragma omp parallel for schedule(dynamic, 16)
+    for (pc_index f = 0; f < gauge->face_count; f++)
+        if (!gauge->face[f].known && !spline->mesh.face[f].ghost && (!wanted || wanted[f]))
+            gauge->face[f] = measure_face(spline, target, f, per_side, near);
+}
+
+static double farthest(const pc_gauge *gauge) {
+    double far = 0;
+    for (pc_index f = 0; f < gauge->face_count; f++)
+        if (gauge->face[f].known) far = fmax(far, gauge->face[f].max);
+    return far;
+}
+
+/* `scan_max` is known already. */
 static pc_status measure_surface(pc_accuracy *accuracy, pc_face_error *error, pc_context *ctx,
                                  const pc_tspline *spline, const pc_target *target, int per_side,
                                  const pc_accuracy_options *options) {
@@ -121,18 +138,19 @@ static pc_status measure_surface(pc_accuracy *accuracy, pc_face_error *error, pc
     const pc_index faces = spline->mesh.face_count;
     size_t samples = 0;
     PC_TRY(pc_gauge_update(gauge, ctx, spline));
-#pragma omp parallel for schedule(dynamic, 16)
-    for (pc_index f = 0; f < faces; f++)
-        if (!gauge->face[f].known && !spline->mesh.face[f].ghost)
-            gauge->face[f] = measure_face(spline, target, f, per_side, options->near);
+    measure_faces(gauge, spline, target, per_side, options->near, options->suspect);
+    if (options->suspect && fmax(accuracy->scan_max, farthest(gauge)) <= options->enough)
+        measure_faces(gauge, spline, target, per_side, options->near, NULL);
     for (pc_index f = 0; f < faces; f++) {
         const pc_face_found *found = gauge->face + f;
-        if (spline->mesh.face[f].ghost) continue;
+        if (spline->mesh.face[f].ghost || !found->known) continue;
         samples += found->samples - found->beyond;
         accuracy->surface_max = fmax(accuracy->surface_max, found->max);
         accuracy->surface_mean += found->sum;
         accuracy->beyond += found->beyond;
-        if (error) error[f] = (pc_face_error){found->max, {found->change[0], found->change[1]}};
+        if (!error) continue;
+        error[f].max = fmax(error[f].max, found->max);
+        memcpy(error[f].change, found->change, sizeof error[f].change);
     }
     if (samples) accuracy->surface_mean /= (double)samples;
     accuracy->samples += samples;
@@ -228,8 +246,8 @@ pc_status pc_accuracy_measure(pc_accuracy *accuracy, pc_face_error *error, pc_co
     *accuracy = (pc_accuracy){0};
     for (pc_index f = 0; error && f < spline->mesh.face_count; f++)
         error[f] = (pc_face_error){0};
-    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side, options));
     PC_TRY(measure_scan(accuracy, error, ctx, spline, target, options));
+    PC_TRY(measure_surface(accuracy, error, ctx, spline, target, per_side, options));
     accuracy->max = fmax(accuracy->scan_max, accuracy->surface_max);
 done:
     return status;

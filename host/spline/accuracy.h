@@ -29,6 +29,9 @@ typedef struct pc_accuracy_options {
     const pc_correspondence *places; /* of the vertices of the scan, NULL: unknown. A vertex counts for the
                      face of its place, and one nearer to it than `near` is taken to be as far as that. */
     pc_gauge *gauge; /* of the same scan and options, NULL: none. What has not moved is not measured again. */
+    const uint8_t *suspect; /* faces to begin with, NULL: all. The others are left out, and the means are
+                               about these, as soon as something is farther than `enough`. */
+    double enough;
 } pc_accuracy_options;
 
 /* `error` (may be NULL) has one entry per face of the T-mesh. The same bytes for any number of threads.

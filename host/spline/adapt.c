@@ -59,7 +59,8 @@ typedef struct adapting {
     pc_gauge gauge;
     pc_tspline best; /* mesh and control points only */
     pc_adapt_stats best_stats;
-    int vain;         /* rounds since it became much better */
+    pc_index far;     /* faces too far away, in the last round */
+    int vain;         /* rounds since it became much better, or they much fewer */
     bool fitted;      /* at least once */
     bool opened;      /* folds, instead of refining, in the last round */
     float *stiffness; /* per face, where folds are smoothed out; else NULL */
@@ -106,20 +107,29 @@ static void go_back_to(adapting *a, const snapshot *s) {
     pc_tspline_update(a->spline);
 }
 
+/* Faces that are near at their feet and vertices are measured only where nothing else is too far. */
 static pc_status measure(adapting *a, pc_context *ctx) {
+    const double part = 0.5;
     pc_status status = PC_OK;
+    const double tolerance = a->options->tolerance;
+    uint8_t *suspect = NULL;
+    PC_TRY(pc_new(&suspect, ctx, a->spline->mesh.face_count));
+    pc_matching_suspect(suspect, &a->matching, a->spline, a->target, part * tolerance);
     const pc_accuracy_options options = {.per_side = a->options->per_side,
-                                         .near = 0.75 * a->options->tolerance,
+                                         .near = 0.75 * tolerance,
                                          .places = &a->matching.vertices,
-                                         .gauge = &a->gauge};
+                                         .gauge = &a->gauge,
+                                         .suspect = suspect,
+                                         .enough = tolerance};
     pc_free(ctx, a->error), a->error = NULL;
     PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
     PC_TRY(pc_accuracy_measure(&a->stats->accuracy, a->error, ctx, a->spline, a->target, &options));
 done:
+    pc_free(ctx, suspect);
     return status;
 }
 
-enum { SMOOTHING_ROUNDS = 12 }; /* of a fit with stiff faces: more change little */
+enum { SMOOTHING_ROUNDS = 8 }; /* of a fit with stiff faces: more change little */
 
 static pc_status fit(adapting *a, pc_context *ctx, pc_device *device) {
     pc_status status = PC_OK;
@@ -149,13 +159,19 @@ static bool is_within_budget(const adapting *a) {
     return !a->options->max_points || a->spline->mesh.vertex_count <= a->options->max_points;
 }
 
-/* Keeps the surface where none was nearer. */
+/* Keeps the surface where none was nearer. Where folds are laid flat it is farther away at first, in fewer
+ * and fewer places. */
 static pc_status remember(adapting *a, pc_context *ctx) {
-    const double worthwhile = 0.97;
+    const double worthwhile = 0.97, fewer = 0.9;
     pc_status status = PC_OK;
     const pc_tmesh *mesh = &a->spline->mesh;
     const bool first = !a->best.position;
-    a->vain = first || a->stats->accuracy.max < worthwhile * a->best_stats.accuracy.max ? 0 : a->vain + 1;
+    pc_index far = 0;
+    for (pc_index f = 0; f < mesh->face_count; f++)
+        far += a->error[f].max > a->options->tolerance;
+    const bool better = first || a->stats->accuracy.max < worthwhile * a->best_stats.accuracy.max;
+    a->vain = better || far < fewer * a->far ? 0 : a->vain + 1;
+    a->far = far;
     if (!first && !(a->stats->accuracy.max < a->best_stats.accuracy.max)) return PC_OK;
     pc_tspline_free(&a->best, ctx);
     PC_TRY(pc_tmesh_copy(&a->best.mesh, ctx, mesh));
@@ -265,11 +281,17 @@ static pc_status take_best(adapting *a, pc_context *ctx) {
     return pc_tspline_complete(a->spline, ctx);
 }
 
+/* The nearest surface, measured everywhere. */
 static pc_status go_back(adapting *a, pc_context *ctx) {
-    pc_status status = take_best(a, ctx);
-    if (status != PC_OK) return status;
-    return pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
-                   a->spline->mesh.vertex_count, a->stats->accuracy.max, a->options->tolerance);
+    pc_status status = PC_OK;
+    const pc_accuracy_options options = {.per_side = a->options->per_side,
+                                         .near = 0.75 * a->options->tolerance};
+    PC_TRY(take_best(a, ctx));
+    PC_TRY(pc_accuracy_measure(&a->stats->accuracy, NULL, ctx, a->spline, a->target, &options));
+    PC_TRY(pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",
+                   a->spline->mesh.vertex_count, a->stats->accuracy.max, a->options->tolerance));
+done:
+    return status;
 }
 
 /* ---- Folds that are within the tolerance ---- */

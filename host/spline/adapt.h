@@ -18,7 +18,7 @@ typedef struct pc_adapt_options {
     pc_fit_options fit;
 } pc_adapt_options;
 #define PC_ADAPT_DEFAULTS                                                                                    \
-    { 0, 0, 20, 5, 6, 5, 2, PC_FIT_DEFAULTS }
+    { 0, 0, 20, 5, 6, 4, 2, PC_FIT_DEFAULTS }
 
 typedef struct pc_adapt_stats {
     int rounds;

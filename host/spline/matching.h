@@ -21,6 +21,9 @@ void pc_matching_free(pc_matching *matching, pc_context *ctx);
 /* After control points have moved, of the faces with active[f] (NULL: all). */
 void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const pc_target *target,
                         const uint8_t *active);
+/* Marks the faces on which a foot or a vertex is farther than that from what it belongs to. */
+void pc_matching_suspect(uint8_t *suspect, const pc_matching *matching, const pc_tspline *spline,
+                         const pc_target *target, double far);
 /* After a refinement that left the surface as it was. PC_E_NOMEM. */
 pc_status pc_matching_carry(pc_matching *matching, pc_context *ctx, const pc_tspline *refined,
                             const pc_target *target);

@@ -67,17 +67,17 @@ static void are_same(pc_context *ctx, const char *one, const char *two) {
 static void a_miss_is_tried_again(void **state) {
     pc_context *ctx = *state;
     tale t;
-    make_scan(ctx, 2, 6, 20);
-    assert_int_equal(convert(&t, "whole", 0.003, false, PC_STAGE_COUNT), PC_OK);
+    make_scan(ctx, 1, 3, 9);
+    assert_int_equal(convert(&t, "whole", 0.0012, false, PC_STAGE_COUNT), PC_OK);
     assert_int_equal(t.made, 2);
     /* Nothing is made again when it has ended. */
-    assert_int_equal(convert(&t, "whole", 0.003, true, PC_STAGE_COUNT), PC_OK);
+    assert_int_equal(convert(&t, "whole", 0.0012, true, PC_STAGE_COUNT), PC_OK);
     assert_int_equal(t.made, 0);
     assert_int_equal(t.loaded, 1);
     /* The first try alone is a miss that the next run takes up. */
-    assert_int_equal(convert(&t, "stopped", 0.003, false, PC_STAGE_SPLINE), PC_E_INTERRUPT);
+    assert_int_equal(convert(&t, "stopped", 0.0012, false, PC_STAGE_SPLINE), PC_E_INTERRUPT);
     assert_int_equal(t.made, 1);
-    assert_int_equal(convert(&t, "stopped", 0.003, true, PC_STAGE_COUNT), PC_OK);
+    assert_int_equal(convert(&t, "stopped", 0.0012, true, PC_STAGE_COUNT), PC_OK);
     assert_int_equal(t.loaded, 1);
     assert_int_equal(t.made, 1);
     are_same(ctx, "whole/result.h5", "stopped/result.h5");
@@ -85,10 +85,10 @@ static void a_miss_is_tried_again(void **state) {
 
 static void what_is_no_better_is_left(void **state) {
     tale t;
-    make_scan(*state, 1, 3, 42);
-    assert_int_equal(convert(&t, "missed", 0.0008, false, PC_STAGE_COUNT), PC_E_NOCONV);
+    make_scan(*state, 1, 3, 5);
+    assert_int_equal(convert(&t, "missed", 0.0012, false, PC_STAGE_COUNT), PC_E_NOCONV);
     assert_int_equal(t.made, 3);
-    assert_int_equal(convert(&t, "missed", 0.0008, true, PC_STAGE_COUNT), PC_E_NOCONV);
+    assert_int_equal(convert(&t, "missed", 0.0012, true, PC_STAGE_COUNT), PC_E_NOCONV);
     assert_int_equal(t.made, 0);
 }
 

@@ -1,5 +1,5 @@
-/* Measuring again only what has moved finds what measuring everything does, the nearest points of a part of a
- * surface are those of the whole, and summits are found once each. */
+/* Measuring again only what has moved finds what measuring everything does, as does beginning with suspects;
+ * the nearest points of a part of a surface are those of the whole, and summits are found once each. */
 #include "accuracy.h"
 #include "matching.h"
 #include "memory.h"
@@ -67,6 +67,75 @@ static void what_has_not_moved_stays_known(void **state) {
         pc_gauge_free(&gauge, ctx);
         pc_tspline_free(&spline, ctx);
     }
+    close_scene(&s, ctx);
+}
+
+/* The others are measured only where nothing is too far on those. */
+static void suspects_come_first(void **state) {
+    pc_context *ctx = *state;
+    scene s = {0};
+    pc_tspline spline;
+    pc_gauge gauge = {0};
+    pc_accuracy all, some;
+    const pc_accuracy_options anew = {.per_side = 4, .near = 0.05};
+    pc_accuracy_options options = {.per_side = 4, .near = 0.05, .gauge = &gauge};
+    pc_random random = {7};
+    uint8_t *suspect = NULL;
+    pc_face_error *error = NULL;
+    assert_ok(ctx, pc_synth_torus(&s.scan, ctx, 2, 1, 60, 40));
+    open_scene(&s, ctx);
+    make_sample_quads(&spline, ctx, SAMPLE_TORUS);
+    shake(&spline, &random, 0.2, 40);
+    const pc_index faces = spline.mesh.face_count;
+    assert_ok(ctx, pc_new(&suspect, ctx, faces));
+    assert_ok(ctx, pc_new(&error, ctx, faces));
+    assert_ok(ctx, pc_accuracy_measure(&all, error, ctx, &spline, &s.target, &anew));
+    for (pc_index f = 0; f < faces; f++)
+        suspect[f] = error[f].max > 0.5 * all.max;
+    options.suspect = suspect, options.enough = 0.9 * all.max;
+    assert_ok(ctx, pc_accuracy_measure(&some, error, ctx, &spline, &s.target, &options));
+    assert_true(some.max == all.max && some.samples < all.samples);
+    for (pc_index f = 0; f < faces; f++)
+        assert_int_equal(gauge.face[f].known, suspect[f] && !spline.mesh.face[f].ghost);
+    options.enough = all.max;
+    assert_ok(ctx, pc_accuracy_measure(&some, error, ctx, &spline, &s.target, &options));
+    assert_true(some.max == all.max && some.samples == all.samples && some.surface_mean == all.surface_mean);
+    pc_free(ctx, suspect);
+    pc_free(ctx, error);
+    pc_gauge_free(&gauge, ctx);
+    pc_tspline_free(&spline, ctx);
+    close_scene(&s, ctx);
+}
+
+/* The faces of the feet and vertices that have been moved away, and no others. */
+static void what_is_far_is_suspect(void **state) {
+    pc_context *ctx = *state;
+    const double far = 0.05;
+    const pc_index shy = 6, lone = 17; /* a face with a far foot, and one with a far vertex */
+    scene s = {0};
+    pc_polymesh quads;
+    pc_tspline spline;
+    pc_matching matching;
+    const pc_tmesh_options defaults = PC_TMESH_DEFAULTS;
+    uint8_t *suspect = NULL;
+    open_bump(&s, ctx, 5, 60, 2.5, 2.5, 0, 1);
+    assert_ok(ctx, pc_synth_quad_plane(&quads, ctx, 5, 5, 5, 5));
+    assert_ok(ctx, pc_tspline_make(&spline, ctx, &quads, &defaults));
+    assert_ok(ctx, pc_matching_make(&matching, ctx, &spline, &s.target, 4));
+    assert_ok(ctx, pc_new(&suspect, ctx, spline.mesh.face_count));
+    assert_true(!spline.mesh.face[shy].ghost && !spline.mesh.face[lone].ghost);
+    matching.feet.foot[16 * shy + 5].point.z += 2 * far;
+    pc_index v = 0;
+    while (matching.vertices.spot[v].face != lone)
+        v++;
+    matching.vertices.spot[v].at[0] = spline.mesh.face[lone].size[0] - matching.vertices.spot[v].at[0];
+    pc_matching_suspect(suspect, &matching, &spline, &s.target, far);
+    for (pc_index f = 0; f < spline.mesh.face_count; f++)
+        assert_int_equal(suspect[f], f == shy || f == lone);
+    pc_free(ctx, suspect);
+    pc_matching_free(&matching, ctx);
+    pc_tspline_free(&spline, ctx);
+    pc_polymesh_free(&quads, ctx);
     close_scene(&s, ctx);
 }
 
@@ -160,6 +229,8 @@ static void summits_become_samples(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_has_not_moved_stays_known, make_context, free_context),
+        cmocka_unit_test_setup_teardown(suspects_come_first, make_context, free_context),
+        cmocka_unit_test_setup_teardown(what_is_far_is_suspect, make_context, free_context),
         cmocka_unit_test_setup_teardown(near_elements_suffice, make_context, free_context),
         cmocka_unit_test_setup_teardown(summits_become_samples, make_context, free_context),
     };
