@@ -287,6 +287,10 @@ void pc_basis_bezier(double bezier[48], const pc_basis *basis, pc_index e, const
     }
 }
 
+static double outside(double x, double low, double high) {
+    return x < low ? low - x : x > high ? x - high : 0;
+}
+
 pc_index pc_basis_find(const pc_basis *basis, pc_index face, double s, double t) {
     const pc_index first = basis->face_start[face], end = basis->face_start[face + 1];
     pc_index best = PC_NONE;
@@ -294,9 +298,9 @@ pc_index pc_basis_find(const pc_basis *basis, pc_index face, double s, double t)
     if (end == first + 1) return first;
     for (pc_index e = first; e < end; e++) {
         const pc_element *element = basis->element + e;
-        double ds = fmax(0, fmax(element->low[0] - s, s - element->high[0]));
-        double dt = fmax(0, fmax(element->low[1] - t, t - element->high[1]));
-        if (ds + dt < least) least = ds + dt, best = e;
+        const double off =
+            outside(s, element->low[0], element->high[0]) + outside(t, element->low[1], element->high[1]);
+        if (off < least) least = off, best = e;
     }
     return best;
 }
