@@ -33,20 +33,6 @@ static pc_vec3 take(pc_face_found *m, const pc_tspline *spline, const pc_target 
     return pc_sub(p, hit->point);
 }
 
-/* Elements beside extraordinary vertices are smaller than the grid's squares, and bend more. */
-static void measure_irregular(pc_face_found *m, const pc_tspline *spline, const pc_target *target, pc_index f,
-                              pc_bvh_hit *hit) {
-    enum { SIDE = 3 };
-    const pc_basis *basis = &spline->basis;
-    for (pc_index e = basis->face_start[f]; e < basis->face_start[f + 1]; e++) {
-        if (!basis->element[e].irregular) continue;
-        for (int i = 0; i < SIDE * SIDE; i++) {
-            const double u = (i % SIDE + 0.5) / SIDE, v = ((double)(i / SIDE) + 0.5) / SIDE; /* NOLINT */
-            (void)take(m, spline, target, pc_element_place(basis, e, u, v), hit);
-        }
-    }
-}
-
 /* Uphill from a sample at (s, t) of face f, whose neighbours on the grid are no farther off: in steps of half
  * the grid's, then of a quarter and so on. The sums keep to the grid. */
 static void climb(pc_face_found *m, const pc_tspline *spline, const pc_target *target, pc_index f, double s,
@@ -87,6 +73,29 @@ static bool is_summit(const double *distance, int i, int n) {
     return true;
 }
 
+/* Elements beside extraordinary vertices are smaller than the grid's squares, and bend more. */
+static void measure_irregular(pc_face_found *m, const pc_tspline *spline, const pc_target *target, pc_index f,
+                              pc_bvh_hit *hit, double near) {
+    enum { SIDE = 3 };
+    const pc_basis *basis = &spline->basis;
+    for (pc_index e = basis->face_start[f]; e < basis->face_start[f + 1]; e++) {
+        const pc_element *element = basis->element + e;
+        const double spacing[2] = {(element->high[0] - element->low[0]) / SIDE,
+                                   (element->high[1] - element->low[1]) / SIDE};
+        double distance[SIDE * SIDE];
+        if (!element->irregular) continue;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const double u = (i % SIDE + 0.5) / SIDE, v = ((double)(i / SIDE) + 0.5) / SIDE; /* NOLINT */
+            distance[i] = pc_norm(take(m, spline, target, pc_element_place(basis, e, u, v), hit));
+        }
+        for (int i = 0; i < SIDE * SIDE; i++)
+            if (distance[i] > near && is_summit(distance, i, SIDE))
+                climb(m, spline, target, f, element->low[0] + (i % SIDE + 0.5) * spacing[0],
+                      element->low[1] + ((double)(i / SIDE) + 0.5) * spacing[1], distance[i], /* NOLINT */
+                      spacing);
+    }
+}
+
 /* Samples on a grid, at the corners of its squares too, and uphill from them where they find more than
  * `near`; the residuals' changes from one to the next. */
 static pc_face_found measure_face(const pc_tspline *spline, const pc_target *target, pc_index f, int n,
@@ -106,7 +115,7 @@ static pc_face_found measure_face(const pc_tspline *spline, const pc_target *tar
         if (distance[i] > near && is_summit(distance, i, n))
             climb(&m, spline, target, f, s, t, distance[i], spacing);
     }
-    measure_irregular(&m, spline, target, f, &hit);
+    measure_irregular(&m, spline, target, f, &hit, near);
     for (int i = 0; i < n * n; i++) {
         if (i % n + 1 < n) m.change[0] += pow(pc_distance(residual[i + 1], residual[i]), 2);
         if (i / n + 1 < n) m.change[1] += pow(pc_distance(residual[i + n], residual[i]), 2);

@@ -24,8 +24,8 @@ typedef struct pc_face_error {
 
 typedef struct pc_accuracy_options {
     int per_side; /* samples along the side of a face; 3 x 3 on each element beside an extraordinary vertex */
-    double near;  /* model units: where samples of the grid are farther away, the places between them that are
-                     farthest are climbed to */
+    double near; /* model units: where samples are farther away, the places between them that are farthest are
+                    climbed to */
     const pc_correspondence *places; /* of the vertices of the scan, NULL: unknown. A vertex counts for the
                      face of its place, and one nearer to it than `near` is taken to be as far as that. */
     pc_gauge *gauge; /* of the same scan and options, NULL: none. What has not moved is not measured again. */
