@@ -1,5 +1,6 @@
 #include "step.h"
 #include "memory.h"
+#include "random.h"
 #include "textout.h"
 #include <string.h>
 
@@ -154,8 +155,7 @@ static void put_plane(step *s) {
 static size_t put_line(step *s, const trace *t) {
     uint64_t bits[2];
     memcpy(bits, t->origin, sizeof bits);
-    const uint64_t mixed = (bits[0] ^ (bits[1] >> 7) ^ (uint64_t)t->way << 40) * 0x9e3779b97f4a7c15u;
-    line *l = s->line + mixed % LINES;
+    line *l = s->line + pc_hash64(bits[0] ^ pc_hash64(bits[1] + (uint64_t)t->way)) % LINES;
     if (l->entity && l->way == t->way && l->origin[0] == t->origin[0] && l->origin[1] == t->origin[1])
         return l->entity;
     size_t point = begin(s);
@@ -211,8 +211,9 @@ static bool find_points(size_t *first, ptrdiff_t *stride, const step *s, pc_inde
         while (i < count && are_same(shell->point + 3 * (edge->point + (size_t)i),
                                      shell->point + 3 * (face->point + (size_t)(at + i * next))))
             i++;
+        if (i < count) continue;
         *first = s->point[t->face] + (size_t)at, *stride = next;
-        if (i == count) return true;
+        return true;
     }
     return false;
 }
@@ -221,11 +222,9 @@ static void put_edge(step *s, pc_index e) {
     const pc_shell_edge *edge = s->shell->edge + e;
     size_t first = s->entity + 1;
     ptrdiff_t stride = 1;
-    if (!find_points(&first, &stride, s, e)) {
-        first = s->entity + 1, stride = 1;
-        for (pc_index i = 0; i < edge->point_count; i++)
-            (void)put_point(s, s->shell->point + 3 * (edge->point + i));
-    }
+    const bool shared = find_points(&first, &stride, s, e);
+    for (pc_index i = 0; i < edge->point_count && !shared; i++)
+        (void)put_point(s, s->shell->point + 3 * (edge->point + i));
     size_t curve = begin(s);
     put(s, "B_SPLINE_CURVE_WITH_KNOTS('',3,(");
     put_references(s, first, stride, edge->point_count);

@@ -1,4 +1,5 @@
 #include "bvh.h"
+#include "geometry.h"
 #include "memory.h"
 #include <float.h>
 #include <string.h>
@@ -26,21 +27,13 @@ static pc_vec3 to_box_frame(const pc_bvh *bvh, pc_vec3 p) {
 }
 
 static void fit_frame(pc_bvh *bvh) {
-    const pc_mesh *mesh = bvh->mesh;
-    double low[3] = {0}, high[3] = {0}, size = 0;
-    for (int k = 0; k < 3 && mesh->vertex_count; k++)
-        low[k] = high[k] = mesh->position[k];
-    for (size_t v = 0; v < mesh->vertex_count; v++)
-        for (int k = 0; k < 3; k++) {
-            double x = mesh->position[3 * v + k];
-            low[k] = x < low[k] ? x : low[k], high[k] = x > high[k] ? x : high[k];
-        }
-    for (int k = 0; k < 3; k++)
-        size = high[k] - low[k] > size ? high[k] - low[k] : size;
+    const pc_box box = pc_geometry_box(bvh->mesh);
+    const pc_vec3 sides = pc_sub(box.high, box.low);
+    const double size = fmax(sides.x, fmax(sides.y, sides.z));
     int exponent = 0;
     (void)frexp(size, &exponent);
     bvh->scale = size > 0 ? ldexp(1, 1 - exponent) : 1; /* a power of two: the larger side is in 1..2 */
-    bvh->centre = (pc_vec3){low[0] / 2 + high[0] / 2, low[1] / 2 + high[1] / 2, low[2] / 2 + high[2] / 2};
+    bvh->centre = pc_add(pc_scale(0.5, box.low), pc_scale(0.5, box.high));
 }
 
 static item item_of(const pc_bvh *bvh, pc_index f) {

@@ -75,8 +75,10 @@ pc_box pc_box_of(const double *position, size_t count) {
     for (size_t i = 0; i < count; i++) {
         pc_vec3 p = pc_vec3_at(position, i);
         if (!i) box.low = box.high = p;
-        box.low = (pc_vec3){fmin(box.low.x, p.x), fmin(box.low.y, p.y), fmin(box.low.z, p.z)};
-        box.high = (pc_vec3){fmax(box.high.x, p.x), fmax(box.high.y, p.y), fmax(box.high.z, p.z)};
+        box.low = (pc_vec3){p.x < box.low.x ? p.x : box.low.x, p.y < box.low.y ? p.y : box.low.y,
+                            p.z < box.low.z ? p.z : box.low.z};
+        box.high = (pc_vec3){p.x > box.high.x ? p.x : box.high.x, p.y > box.high.y ? p.y : box.high.y,
+                             p.z > box.high.z ? p.z : box.high.z};
     }
     return box;
 }

@@ -107,6 +107,10 @@ static void go_back_to(adapting *a, const snapshot *s) {
     pc_tspline_update(a->spline);
 }
 
+static pc_accuracy_options measuring(const adapting *a) {
+    return (pc_accuracy_options){.per_side = a->options->per_side, .near = 0.75 * a->options->tolerance};
+}
+
 /* Faces that are near at their feet and vertices are measured only where nothing else is too far. */
 static pc_status measure(adapting *a, pc_context *ctx) {
     const double part = 0.5;
@@ -115,12 +119,9 @@ static pc_status measure(adapting *a, pc_context *ctx) {
     uint8_t *suspect = NULL;
     PC_TRY(pc_new(&suspect, ctx, a->spline->mesh.face_count));
     pc_matching_suspect(suspect, &a->matching, a->spline, a->target, part * tolerance);
-    const pc_accuracy_options options = {.per_side = a->options->per_side,
-                                         .near = 0.75 * tolerance,
-                                         .places = &a->matching.vertices,
-                                         .gauge = &a->gauge,
-                                         .suspect = suspect,
-                                         .enough = tolerance};
+    pc_accuracy_options options = measuring(a);
+    options.places = &a->matching.vertices, options.gauge = &a->gauge;
+    options.suspect = suspect, options.enough = tolerance;
     pc_free(ctx, a->error), a->error = NULL;
     PC_TRY(pc_new(&a->error, ctx, a->spline->mesh.face_count));
     PC_TRY(pc_accuracy_measure(&a->stats->accuracy, a->error, ctx, a->spline, a->target, &options));
@@ -284,8 +285,7 @@ static pc_status take_best(adapting *a, pc_context *ctx) {
 /* The nearest surface, measured everywhere. */
 static pc_status go_back(adapting *a, pc_context *ctx) {
     pc_status status = PC_OK;
-    const pc_accuracy_options options = {.per_side = a->options->per_side,
-                                         .near = 0.75 * a->options->tolerance};
+    const pc_accuracy_options options = measuring(a);
     PC_TRY(take_best(a, ctx));
     PC_TRY(pc_accuracy_measure(&a->stats->accuracy, NULL, ctx, a->spline, a->target, &options));
     PC_TRY(pc_fail(ctx, PC_E_NOCONV, "the surface of %u control points is %g from the scan, not %g",

@@ -378,16 +378,16 @@ static void free_skin(opening *o, pc_context *ctx) {
 static pc_status make_skin(opening *o, pc_context *ctx) {
     enum { STEPS = 4 };
     pc_status status = PC_OK;
-    uint8_t *wanted = NULL;
+    uint8_t *near = NULL;
     free_skin(o, ctx);
-    PC_TRY(pc_new(&wanted, ctx, o->spline->mesh.face_count));
+    PC_TRY(pc_new(&near, ctx, o->spline->mesh.face_count));
     for (pc_index f = 0; f < o->spline->mesh.face_count; f++)
-        wanted[f] = o->whole || o->ring[f] != FAR;
-    PC_TRY(pc_skin_make(&o->skin, ctx, o->spline, STEPS, wanted));
+        near[f] = o->ring[f] != FAR;
+    PC_TRY(pc_skin_make(&o->skin, ctx, o->spline, STEPS, o->whole ? NULL : near));
     PC_TRY(pc_adjacency_make(&o->skin_adjacency, ctx, &o->skin.mesh));
     PC_TRY(pc_new(&o->skin_inside, ctx, o->skin.mesh.face_count));
 done:
-    pc_free(ctx, wanted);
+    pc_free(ctx, near);
     return status;
 }
 
@@ -420,10 +420,10 @@ static pc_status open_group(bool *opened, opening *o, pc_context *ctx, pc_index 
     enum { MOST_RINGS = 24 };
     pc_status status = PC_OK;
     *opened = false;
-    if (!o->whole) PC_TRY(try_small_disk(opened, o, ctx, group));
-    if (*opened) return PC_OK;
     if (!o->whole) {
-        o->whole = true;
+        PC_TRY(try_small_disk(opened, o, ctx, group));
+        if (*opened) return PC_OK;
+        o->whole = true; /* and stays so for the groups to come */
         PC_TRY(make_skin(o, ctx));
     }
     for (make_rings(o, group, FIRST_RING); !*opened && o->last <= MOST_RINGS; add_ring(o)) {

@@ -184,10 +184,22 @@ void pc_footpoints_land(pc_footpoints *feet, const pc_tspline *spline, const pc_
 }
 
 void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan) {
-    const size_t count = (size_t)feet->face_count * (size_t)(feet->per_side * feet->per_side);
+    const size_t count = pc_footpoints_count(feet);
     for (size_t i = 0; i < count; i++)
         if (feet->foot[i].triangle != PC_NONE)
             feet->foot[i].point = pc_footpoints_point(scan, feet->foot + i);
+}
+
+bool pc_footpoints_near(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, double far) {
+    const int each = feet->per_side * feet->per_side;
+    const pc_foot *foot = feet->foot + (size_t)f * (size_t)each;
+    for (int i = 0; i < each; i++) {
+        double at[2];
+        pc_footpoints_at(at, feet, f, i);
+        const pc_vec3 p = pc_tspline_point(spline, pc_tspline_place(spline, f, at[0], at[1]));
+        if (!(pc_distance(p, foot[i].point) <= far)) return false;
+    }
+    return true;
 }
 
 bool pc_footpoints_torn(const pc_footpoints *feet, pc_index f, int i, int j, double step) {
@@ -208,8 +220,8 @@ bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_i
 
 static pc_status make_room(pc_footpoints *feet, pc_context *ctx, const pc_tmesh *mesh) {
     pc_status status = PC_OK;
-    const size_t count = (size_t)mesh->face_count * (size_t)(feet->per_side * feet->per_side);
     feet->face_count = mesh->face_count;
+    const size_t count = pc_footpoints_count(feet);
     PC_TRY(pc_new(&feet->foot, ctx, count));
     PC_TRY(pc_new(&feet->size, ctx, 2 * (size_t)mesh->face_count));
     for (pc_index f = 0; f < mesh->face_count; f++)

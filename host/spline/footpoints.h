@@ -40,6 +40,8 @@ void pc_footpoints_lift(pc_footpoints *feet, const pc_mesh *scan);
  * is opposed. */
 bool pc_footpoints_gap(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, int i, int j);
 
+/* No foot of face f is farther than that from the surface's point above it. */
+bool pc_footpoints_near(const pc_footpoints *feet, const pc_tspline *spline, pc_index f, double far);
 /* Feet i and j of face f are much farther apart than `step`, which the points above them are. */
 bool pc_footpoints_torn(const pc_footpoints *feet, pc_index f, int i, int j, double step);
 

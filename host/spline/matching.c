@@ -30,31 +30,17 @@ void pc_matching_follow(pc_matching *matching, const pc_tspline *spline, const p
     pc_summits_follow(&matching->summits, spline, target, active);
 }
 
-/* Its foot or its vertex is farther than that from a place on the surface. */
-static bool is_far(const pc_tspline *spline, pc_surface_place place, pc_vec3 p, double far) {
-    return !(pc_distance(pc_tspline_point(spline, place), p) <= far);
-}
-
 void pc_matching_suspect(uint8_t *suspect, const pc_matching *matching, const pc_tspline *spline,
                          const pc_target *target, double far) {
-    const pc_footpoints *feet = &matching->feet;
     const pc_correspondence *vertices = &matching->vertices;
-    const size_t each = (size_t)feet->per_side * (size_t)feet->per_side;
 #pragma omp parallel for schedule(static)
-    for (pc_index f = 0; f < feet->face_count; f++) {
-        suspect[f] = 0;
-        for (size_t i = 0; i < each && !spline->mesh.face[f].ghost && !suspect[f]; i++) {
-            double at[2];
-            pc_footpoints_at(at, feet, f, (int)i);
-            suspect[f] = is_far(spline, pc_tspline_place(spline, f, at[0], at[1]),
-                                feet->foot[f * each + i].point, far);
-        }
-    }
+    for (pc_index f = 0; f < matching->feet.face_count; f++)
+        suspect[f] = !spline->mesh.face[f].ghost && !pc_footpoints_near(&matching->feet, spline, f, far);
     for (pc_index v = 0; v < vertices->count; v++) {
         const pc_index f = vertices->spot[v].face;
-        if (f != PC_NONE && !suspect[f])
-            suspect[f] = is_far(spline, pc_correspondence_place(vertices, spline, v),
-                                pc_vec3_at(target->mesh->position, v), far);
+        if (f == PC_NONE || suspect[f]) continue;
+        const pc_vec3 p = pc_tspline_point(spline, pc_correspondence_place(vertices, spline, v));
+        suspect[f] = !(pc_distance(p, pc_vec3_at(target->mesh->position, v)) <= far);
     }
 }
 

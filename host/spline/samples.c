@@ -37,33 +37,34 @@ static pc_vec3 target_of(const gathering *g, const pc_foot *foot, pc_surface_pla
     return pc_madd(foot->point, length > most ? most / length : 1, past);
 }
 
+static pc_surface_place wanted_place(const gathering *g, const pc_correspondence *c, size_t i) {
+    if (!is_wanted(g, c->spot[i].face)) return (pc_surface_place){PC_NONE, 0, 0};
+    return pc_correspondence_place(c, g->spline, (pc_index)i);
+}
+
 static pc_surface_place place_of(const gathering *g, size_t i) {
     const size_t vertices = g->vertices->count, feet = pc_footpoints_count(g->feet);
     const size_t each = (size_t)g->feet->per_side * (size_t)g->feet->per_side;
-    const pc_surface_place none = {PC_NONE, 0, 0};
-    if (i < vertices)
-        return is_wanted(g, g->vertices->spot[i].face)
-                   ? pc_correspondence_place(g->vertices, g->spline, (pc_index)i)
-                   : none;
+    double at[2];
+    if (i < vertices) return wanted_place(g, g->vertices, i);
     i -= vertices;
-    if (i < feet) {
-        double at[2];
-        const pc_index f = (pc_index)(i / each);
-        if (!is_wanted(g, f)) return none;
-        pc_footpoints_at(at, g->feet, f, (int)(i % each));
-        return pc_tspline_place(g->spline, f, at[0], at[1]);
-    }
-    i -= feet;
-    return is_wanted(g, g->summits->places.spot[i].face)
-               ? pc_correspondence_place(&g->summits->places, g->spline, (pc_index)i)
-               : none;
+    if (i >= feet) return wanted_place(g, &g->summits->places, i - feet);
+    const pc_index f = (pc_index)(i / each);
+    if (!is_wanted(g, f)) return (pc_surface_place){PC_NONE, 0, 0};
+    pc_footpoints_at(at, g->feet, f, (int)(i % each));
+    return pc_tspline_place(g->spline, f, at[0], at[1]);
+}
+
+/* That of sample i, which is no vertex. */
+static pc_foot *foot_of(const gathering *g, size_t i) {
+    const size_t feet = pc_footpoints_count(g->feet);
+    i -= g->vertices->count;
+    return i < feet ? g->feet->foot + i : g->summits->foot + (i - feet);
 }
 
 static pc_vec3 target_at(const gathering *g, size_t i) {
-    const size_t vertices = g->vertices->count, feet = pc_footpoints_count(g->feet);
-    if (i < vertices) return pc_vec3_at(g->target->mesh->position, i);
-    const size_t foot = i - vertices;
-    return target_of(g, foot < feet ? g->feet->foot + foot : g->summits->foot + (foot - feet), g->place[i]);
+    if (i < g->vertices->count) return pc_vec3_at(g->target->mesh->position, i);
+    return target_of(g, foot_of(g, i), g->place[i]);
 }
 
 static void find_places(gathering *g) {
@@ -96,10 +97,7 @@ static pc_status count_vertices(gathering *g, pc_context *ctx) {
 
 /* How often sample i was too far away. */
 static float *stress_of(const gathering *g, size_t i) {
-    if (i < g->vertices->count) return &g->vertices->spot[i].stress;
-    i -= g->vertices->count;
-    const size_t feet = pc_footpoints_count(g->feet);
-    return i < feet ? &g->feet->foot[i].stress : &g->summits->foot[i - feet].stress;
+    return i < g->vertices->count ? &g->vertices->spot[i].stress : &foot_of(g, i)->stress;
 }
 
 /* The vertices at a face share up to half of its weight, and its grid the rest; a summit weighs as much as a

@@ -1,17 +1,6 @@
 #include "summit.h"
 #include "memory.h"
 
-static bool are_feet_near(const pc_tspline *spline, const pc_footpoints *feet, pc_index f, double tolerance) {
-    const int each = feet->per_side * feet->per_side;
-    for (int i = 0; i < each; i++) {
-        double at[2];
-        pc_footpoints_at(at, feet, f, i);
-        const pc_vec3 p = pc_tspline_point(spline, pc_tspline_place(spline, f, at[0], at[1]));
-        if (pc_distance(p, feet->foot[(size_t)f * (size_t)each + (size_t)i].point) > tolerance) return false;
-    }
-    return true;
-}
-
 /* Faces with a summit next to their farthest place. */
 static void mark_known(uint8_t *known, const pc_summits *summits, const pc_footpoints *feet,
                        const pc_gauge *gauge) {
@@ -34,7 +23,7 @@ pc_status pc_summits_find(pc_summits *summits, uint8_t *unseen, pc_context *ctx,
     mark_known(known, summits, feet, gauge);
     for (pc_index f = 0; f < faces; f++) {
         unseen[f] = gauge->face[f].known && !known[f] && gauge->face[f].max > tolerance &&
-                    gauge->face[f].max < most * tolerance && are_feet_near(spline, feet, f, tolerance);
+                    gauge->face[f].max < most * tolerance && pc_footpoints_near(feet, spline, f, tolerance);
         count += unseen[f];
     }
     PC_TRY(pc_resize(&summits->places.spot, ctx, count));
