@@ -20,7 +20,7 @@ static const double FEW = 1e-3;     /* of the scan's vertices: so few alone are 
 static const double LOST = 1.4;     /* times the reach: a part of the scan that far off is lost */
 /* ... and worth another try where sizes have been tried on likenesses. */
 static const double LOST_ALTOGETHER = 2;
-/* A round of refinement that leaves the farthest place farther than this part of what it was is in vain. */
+/* A round of refinement for the same count that leaves more than this part of the distances is in vain. */
 static const double WORTHWHILE = 0.9;
 enum { LARGE = 1000000 }; /* faces: another try costs as much as all before it */
 
@@ -142,6 +142,7 @@ typedef struct remeshing {
     const pc_adjacency *adjacency;
     const pc_field *field;
     const pc_remesh_options *options;
+    double *tried;  /* the scale that the present parameterization is made with */
     double *base;   /* the scale before any refinement: curl correction, and room for singularities */
     double period;  /* that the scale belongs to */
     double nominal; /* the period of cells that are all as large, for the wanted count */
@@ -279,6 +280,7 @@ static pc_status attempt(remeshing *r, double period) {
         if (!worthwhile) return pc_fail(r->ctx, PC_E_NOCONV, "the cells are too small for a likeness");
     }
     limit_by_edges(r);
+    if (!r->whole) memcpy(r->tried, r->scale, sizeof *r->tried * r->mesh->vertex_count);
     r->fresh = false;
     r->stats->tries++;
     pc_layout_free(r->layout, r->ctx);
@@ -297,6 +299,7 @@ typedef struct outcome {
     pc_index folded;
     double asked; /* cells, for that count; 0 where nobody wants to know */
     double far;   /* of the farthest vertex, times the reach */
+    double loss;  /* typical distance of the scan's vertices, farther ones count more */
     bool wanting; /* the scale has been raised, and it is worth another try */
 } outcome;
 
@@ -335,7 +338,7 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     pc_sizing_options sizing = PC_SIZING_DEFAULTS;
     pc_sizing_stats sizes;
     *found = (outcome){.count = (double)pc_quads_count(r->layout, r->options->ngons)};
-    if ((r->whole || r->piloted) && r->options->quads > 0) PC_TRY(count_cells(&found->asked, r));
+    if (r->options->quads > 0) PC_TRY(count_cells(&found->asked, r));
     if (!refine && r->options->quads == 0) return PC_OK; /* nobody asks: a line in the log at most */
     /* Not pc_quads_count: doublets and collapsed quads do not count. */
     PC_TRY(pc_ground_make(&ground, r->ctx, r->mesh, r->adjacency));
@@ -349,13 +352,13 @@ static pc_status look(remeshing *r, outcome *found, bool refine, double wanted) 
     if (r->options->reach > 0) sizing.reach = r->options->reach;
     if (r->options->floor > 0) sizing.floor = r->options->floor;
     sizing.walls = r->options->walls;
-    if (r->whole && r->options->quads > 0)
+    if (!r->piloted && r->options->quads > 0)
         sizing.farthest = sizing.reach * sizing.edge_length * r->nominal / r->period;
     PC_TRY(pc_sizing_update(r->scale, &sizes, r->ctx, &ground, &quads, folded, &sizing));
     r->stats->wanting = sizes.wanting;
     const double limit = sizing.reach * sizing.edge_length,
                  far = sizes.worst / (sizing.farthest > 0 ? fmin(sizing.farthest, limit) : limit);
-    found->far = far;
+    found->far = far, found->loss = sizes.typical;
     found->wanting = is_worth_another(r, &sizes, made.folded, far);
     pc_log(r->ctx, PC_LOG_DEBUG,
            "%u vertices of the scan want finer cells, the farthest is %.3g times the reach off",
@@ -403,11 +406,16 @@ static pc_status next_period(double *period, const remeshing *r, const outcome *
     return PC_OK;
 }
 
-/* The best try so far, in terms of the whole scan. */
+/* The best try so far, in terms of the whole scan; of a likeness nobody looks at the layout again. */
 typedef struct best_try {
     double miss, period;
     double *scale;
     outcome found;
+    bool present; /* the last try is it */
+    pc_param param;
+    pc_layout layout;
+    pc_remesh_stats stats;
+    pc_remesh_looked looked;
 } best_try;
 
 static pc_status start_best(best_try *best, const remeshing *r) {
@@ -416,29 +424,52 @@ static pc_status start_best(best_try *best, const remeshing *r) {
     return pc_new(&best->scale, r->ctx, whole->mesh->vertex_count);
 }
 
-/* The whole has had the scale of a likeness since the try began. */
-static void keep_if_best(best_try *best, const remeshing *r, double miss, const outcome *found) {
-    const remeshing *whole = r->whole ? r->whole : r;
-    if (!(miss < best->miss)) return;
-    best->miss = miss, best->period = r->period, best->found = *found;
-    memcpy(best->scale, whole->scale, sizeof(double) * whole->mesh->vertex_count);
+static void free_best(best_try *best, pc_context *ctx) {
+    pc_free(ctx, best->scale);
+    pc_param_free(&best->param, ctx);
+    pc_layout_free(&best->layout, ctx);
+    pc_polymesh_free(&best->looked.quads, ctx);
 }
 
-/* Nobody looks at the layout of a likeness again. */
-static pc_status go_back_to(const best_try *best, remeshing *r, outcome *found) {
+/* From r to `best` or back: what a try has made. */
+static void swap_products(best_try *best, remeshing *r) {
+    const pc_param param = *r->param;
+    const pc_layout layout = *r->layout;
+    *r->param = best->param, best->param = param;
+    *r->layout = best->layout, best->layout = layout;
+    if (!r->looked) return;
+    const pc_remesh_looked looked = *r->looked;
+    *r->looked = best->looked, best->looked = looked;
+}
+
+/* The whole has had the scale of a likeness since the try began. */
+static void keep_if_best(best_try *best, remeshing *r, double miss, const outcome *found) {
+    const remeshing *whole = r->whole ? r->whole : r;
+    best->present = miss < best->miss;
+    if (!best->present) return;
+    best->miss = miss, best->period = r->period, best->found = *found, best->stats = *r->stats;
+    memcpy(best->scale, r->whole ? whole->scale : r->tried, sizeof(double) * whole->mesh->vertex_count);
+    if (!r->whole) swap_products(best, r);
+}
+
+static pc_status take_best(best_try *best, remeshing *r, outcome *found) {
     remeshing *whole = r->whole ? r->whole : r;
     bool same;
+    if (!(best->miss < INFINITY)) return PC_OK;
     memcpy(whole->scale, best->scale, sizeof(double) * whole->mesh->vertex_count);
     whole->period = best->period;
     *found = best->found;
-    return r->whole ? renew_pilot(r, &same) : attempt(r, best->period);
+    r->stats->param = best->stats.param, r->stats->layout = best->stats.layout;
+    r->stats->wanting = best->stats.wanting;
+    if (!r->whole) swap_products(best, r);
+    return r->whole && !best->present ? renew_pilot(r, &same) : PC_OK;
 }
 
 /* Sizes first: while places want finer cells, and rounds are left. */
 static pc_status settle_sizes(remeshing *r, outcome *found) {
     pc_status status = PC_OK;
     const double wanted = r->options->quads;
-    const bool compare = r->whole && wanted > 0; /* finer cells here are coarser ones there */
+    const bool compare = !r->piloted && wanted > 0; /* finer cells here are coarser ones there */
     double period = r->period;
     best_try best = {.miss = INFINITY};
     if (compare) PC_TRY(start_best(&best, r));
@@ -450,19 +481,16 @@ static pc_status settle_sizes(remeshing *r, outcome *found) {
         pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads%s", period, found->count,
                found->wanting ? ", finer ones are needed in places" : "");
         const double before = best.miss;
-        if (compare) keep_if_best(&best, r, found->far, found);
-        if (compare && found->far > WORTHWHILE * before) {
-            PC_TRY(go_back_to(&best, r, found));
-            break;
-        }
-        if (!found->wanting) break;
+        if (compare) keep_if_best(&best, r, found->loss, found);
+        if (!found->wanting || (compare && found->loss > WORTHWHILE * before)) break;
         r->stats->refinements++;
         if (r->whole && wanted == 0 && r->stats->refinements >= most_refinements(r))
             break; /* the whole will show */
         if (wanted > 0) PC_TRY(next_period(&period, r, found));
     }
+    if (compare) PC_TRY(take_best(&best, r, found));
 done:
-    pc_free(r->ctx, best.scale);
+    free_best(&best, r->ctx);
     return status;
 }
 
@@ -476,19 +504,16 @@ static pc_status settle_count(remeshing *r, outcome *found) {
     for (int tries = 1;; tries++) {
         const double miss = fabs(found->reached / wanted - 1) + (found->folded ? 1 : 0);
         keep_if_best(&best, r, miss, found);
-        if (miss <= (tries > 1 || r->piloted ? CLOSE_ENOUGH : CLOSE)) break;
-        if (tries == MOST_TRIES_FOR_COUNT) {
-            if (best.miss < miss) PC_TRY(go_back_to(&best, r, found));
-            break;
-        }
+        if (miss <= (tries > 1 || r->piloted ? CLOSE_ENOUGH : CLOSE) || tries == MOST_TRIES_FOR_COUNT) break;
         double period = guess(&known, r->period, found->count, wanted);
         if (found->asked > 0 && (known.few == 0 || known.many == 0)) PC_TRY(next_period(&period, r, found));
         PC_TRY(attempt(r, period));
         PC_TRY(look(r, found, false, tries > 1 || r->piloted ? wanted : 0));
         pc_log(r->ctx, PC_LOG_INFO, "cells of side %.5g give %.0f quads", r->period, found->count);
     }
+    PC_TRY(take_best(&best, r, found));
 done:
-    pc_free(r->ctx, best.scale);
+    free_best(&best, r->ctx);
     return status;
 }
 
@@ -506,6 +531,7 @@ static pc_status start_scale(remeshing *r, const double *curl) {
     room.period_length = r->options->period_length;
     PC_TRY(pc_new(&r->scale, r->ctx, n));
     PC_TRY(pc_new(&r->base, r->ctx, n));
+    PC_TRY(pc_new(&r->tried, r->ctx, n));
     for (pc_index v = 0; v < n; v++)
         r->scale[v] = curl ? curl[v] : 1;
     PC_TRY(pc_room_make(r->scale, r->ctx, r->device, r->mesh, r->adjacency, r->field, &room));
@@ -578,6 +604,7 @@ pc_status pc_remesh_make(pc_param *param, pc_layout *layout, double **scale, pc_
     stats->finest_scale = largest(r.scale, mesh->vertex_count);
 done:
     pc_free(ctx, r.base);
+    pc_free(ctx, r.tried);
     *scale = r.scale;
     if (status != PC_OK) {
         pc_free(ctx, r.scale);

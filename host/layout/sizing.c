@@ -19,9 +19,20 @@ static double limit_at(pc_index v, const pc_ground *ground, double scale, double
     return fmin(limit, fmax(part * thickness, least * length));
 }
 
+/* Of all scan vertices. */
+static void measure_distances(pc_sizing_stats *stats, const pc_bvh_hit *hits, pc_index count) {
+    double sum = 0;
+    for (pc_index v = 0; v < count; v++) {
+        const double distance = hits[v].face == PC_NONE ? INFINITY : hits[v].distance;
+        stats->worst = fmax(stats->worst, distance);
+        sum += pow(distance, 4);
+    }
+    stats->typical = pow(sum / count, 0.25);
+}
+
 /* Factors from distances: how much finer the quads must be for a vertex to be within reach. */
-static pc_status want_by_distance(double *want, double *worst, pc_context *ctx, const pc_ground *ground,
-                                  const double *scale, const pc_polymesh *quads,
+static pc_status want_by_distance(double *want, pc_sizing_stats *stats, pc_context *ctx,
+                                  const pc_ground *ground, const double *scale, const pc_polymesh *quads,
                                   const pc_sizing_options *options) {
     pc_status status = PC_OK;
     const pc_mesh *scan = ground->scan;
@@ -37,12 +48,11 @@ static pc_status want_by_distance(double *want, double *worst, pc_context *ctx, 
 #pragma omp parallel for schedule(dynamic, 256)
     for (pc_index v = 0; v < scan->vertex_count; v++)
         if (hits[v].face != PC_NONE) limit[v] = limit_at(v, ground, scale[v], hits[v].distance, options);
-    for (pc_index v = 0; v < scan->vertex_count; v++) {
-        *worst = fmax(*worst, hits[v].face == PC_NONE ? INFINITY : hits[v].distance);
+    measure_distances(stats, hits, scan->vertex_count);
+    for (pc_index v = 0; v < scan->vertex_count; v++)
         if (hits[v].face == PC_NONE || hits[v].distance > limit[v])
             want[v] = hits[v].face == PC_NONE ? options->growth
                                               : fmin(hits[v].distance / limit[v] + 0.2, options->growth);
-    }
 done:
     pc_free(ctx, hits);
     pc_free(ctx, limit);
@@ -99,7 +109,7 @@ pc_status pc_sizing_update(double *scale, pc_sizing_stats *stats, pc_context *ct
     double *want = NULL;
     *stats = (pc_sizing_stats){0};
     PC_TRY(pc_new(&want, ctx, scan->vertex_count));
-    PC_TRY(want_by_distance(want, &stats->worst, ctx, ground, scale, quads, options));
+    PC_TRY(want_by_distance(want, stats, ctx, ground, scale, quads, options));
     want_by_folds(want, &ground->tree, quads, folded);
     for (pc_index v = 0; v < scan->vertex_count; v++) {
         if (want[v] <= 0) continue;

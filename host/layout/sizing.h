@@ -24,6 +24,7 @@ typedef struct pc_sizing_options {
 typedef struct pc_sizing_stats {
     pc_index wanting; /* scan vertices that want finer quads */
     double worst;     /* the largest distance from a scan vertex to the quads */
+    double typical;   /* fourth root of the mean fourth power of these distances: far ones count most */
 } pc_sizing_stats;
 
 /* Raises `scale` (one per scan vertex, 1: cells as asked) around what the quads miss and around the faces
