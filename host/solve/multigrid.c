@@ -304,15 +304,21 @@ static void raise_diagonal(pc_level *level, const double *change) {
     pc_galerkin_invert_diagonal(a);
 }
 
-pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal,
-                                    const float *first) {
+double pc_multigrid_first_diagonal(const pc_multigrid *multigrid, pc_index i) {
+    const pc_level *level = multigrid->level;
+    return (level->first_diagonal ? (double)level->first_diagonal[i]
+                                  : pc_blockmat_mean_diagonal(&level->matrix, i)) /
+           multigrid->scale;
+}
+
+pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal) {
     pc_status status = PC_OK;
     double *change = NULL;
     double *coarse = NULL;
     pc_index n = multigrid->level[0].matrix.row_count;
     PC_TRY(pc_new(&change, ctx, n));
     for (pc_index i = 0; i < n; i++)
-        change[i] = multigrid->scale * (diagonal[i] - (double)first[i]);
+        change[i] = multigrid->scale * (diagonal[i] - pc_multigrid_first_diagonal(multigrid, i));
     for (int k = 0; k < multigrid->level_count; k++) {
         pc_level *level = &multigrid->level[k];
         PC_TRY(keep_first_diagonal(level, ctx));

@@ -38,11 +38,11 @@ pc_status pc_multigrid_make(pc_multigrid *multigrid, pc_context *ctx, const pc_s
 pc_status pc_multigrid_make_finest(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
 /* New values on the same graph: groups stay, all else is made anew. On failure the hierarchy is empty. */
 pc_status pc_multigrid_update(pc_multigrid *multigrid, pc_context *ctx, const pc_system *system);
-/* The system's diagonal becomes `diagonal`; `first` is the one that the levels were built with, nowhere
- * above. On coarse levels the changes are summed over the groups. Works on a hierarchy without couplings too.
- */
-pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal,
-                                    const float *first);
+/* The system's diagonal of row i that the levels were built with. */
+double pc_multigrid_first_diagonal(const pc_multigrid *multigrid, pc_index i);
+/* The system's diagonal becomes `diagonal`, nowhere below that first one. On coarse levels the changes are
+ * summed over the groups. Works on a hierarchy without couplings too. */
+pc_status pc_multigrid_set_diagonal(pc_multigrid *multigrid, pc_context *ctx, const double *diagonal);
 void pc_multigrid_free(pc_multigrid *multigrid, pc_context *ctx);
 /* Frees all but the groups, which an update needs. */
 void pc_multigrid_free_values(pc_multigrid *multigrid, pc_context *ctx);

@@ -15,11 +15,11 @@ struct pc_solver {
     pc_index row_count;
     pc_index entry_count;
     double setup_seconds;
-    float *first_diagonal;  /* of the last make or update */
     pc_multigrid multigrid; /* on a device only its groups and diagonals are kept here */
     pc_devsolve *devsolve;  /* NULL on the host */
     pc_system system;       /* a copy; host only, as all below */
     bool has_cycle;
+    float *first_diagonal; /* without a hierarchy: that of the last make or update */
     double *r, *z, *p, *q;
 };
 
@@ -56,12 +56,11 @@ static pc_status take_values(pc_solver *s, pc_context *ctx, const pc_system *sys
     pc_devsolve_free(s->devsolve, ctx);
     s->devsolve = NULL;
     PC_TRY(check_diagonal(ctx, system));
-#pragma omp parallel for schedule(static)
-    for (pc_index i = 0; i < s->row_count; i++)
-        s->first_diagonal[i] = (float)system->diagonal[i];
     if (pc_device_is_host(s->device)) {
         PC_TRY(copy_system(&s->system, ctx, system));
         system = &s->system;
+        for (pc_index i = 0; i < s->row_count && !multigrid; i++)
+            s->first_diagonal[i] = (float)system->diagonal[i];
     }
     if (multigrid) {
         PC_TRY(pc_multigrid_update(&s->multigrid, ctx, system));
@@ -92,13 +91,13 @@ pc_status pc_solver_make(pc_solver **solver, pc_context *ctx, pc_device *device,
     s->kind = system->kind;
     s->row_count = system->row_count;
     s->entry_count = system->start[system->row_count];
-    PC_TRY(pc_new(&s->first_diagonal, ctx, s->row_count));
-    PC_TRY(take_values(s, ctx, system));
     if (pc_device_is_host(device)) {
+        PC_TRY(pc_new(&s->first_diagonal, ctx, s->row_count));
         double **vectors[4] = {&s->r, &s->z, &s->p, &s->q};
         for (int v = 0; v < 4; v++)
             PC_TRY(pc_new(vectors[v], ctx, unknowns(s)));
     }
+    PC_TRY(take_values(s, ctx, system));
     s->setup_seconds = pc_clock_wall() - begin;
 done:
     if (status == PC_OK)
@@ -121,14 +120,16 @@ pc_status pc_solver_update(pc_solver *solver, pc_context *ctx, const pc_system *
 pc_status pc_solver_set_diagonal(pc_solver *solver, pc_context *ctx, const double *diagonal) {
     pc_status status = PC_OK;
     const double rounding = 1e-7;
-    const float *first = solver->first_diagonal;
+    const bool has_levels = solver->devsolve || solver->has_cycle;
     double begin = pc_clock_wall();
-    for (pc_index i = 0; i < solver->row_count; i++)
-        if (!(diagonal[i] >= (double)first[i] * (1 - rounding)) || !isfinite(diagonal[i]))
-            return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i,
-                           (double)first[i], diagonal[i]);
-    if (solver->devsolve || solver->has_cycle)
-        PC_TRY(pc_multigrid_set_diagonal(&solver->multigrid, ctx, diagonal, first));
+    for (pc_index i = 0; i < solver->row_count; i++) {
+        const double first = has_levels ? pc_multigrid_first_diagonal(&solver->multigrid, i)
+                                        : (double)solver->first_diagonal[i];
+        if (!(diagonal[i] >= first * (1 - rounding)) || !isfinite(diagonal[i]))
+            return pc_fail(ctx, PC_E_BUG, "system row %u: the diagonal falls from %g to %g", i, first,
+                           diagonal[i]);
+    }
+    if (has_levels) PC_TRY(pc_multigrid_set_diagonal(&solver->multigrid, ctx, diagonal));
     if (solver->devsolve)
         PC_TRY(pc_devsolve_set_diagonal(solver->devsolve, ctx, diagonal, &solver->multigrid));
     else
